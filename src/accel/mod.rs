@@ -1,0 +1,88 @@
+//! Finding what a ray meets. Knows shapes, and neither scenes nor materials.
+//!
+//! [`Intersector`] is the contract that every path keeps: the native hierarchy, Embree, and the `f64` arbiter; one
+//! test runs it against all of them.
+
+use std::time::Duration;
+
+use crate::geometry::{Hit8, Ray8};
+use crate::simd::Mask8;
+
+pub mod native;
+pub mod reference;
+
+/// What the caller knows of a stream's order. A back end may check it, and may ignore it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Coherence {
+    /// Neighbouring rays go almost the same way: camera rays of a tile, shadow rays to one light.
+    Coherent,
+    /// Rays go anywhere: what leaves a curved surface.
+    Incoherent,
+}
+
+/// Rays against shapes. `t_min < t <= t_max` counts as met; so does either face of a triangle.
+///
+/// Where two hits of a ray have the same `t`, the lower (instance, geometry, primitive) is the nearest one, however
+/// the rays were grouped. (Embree settles its ties its own way.)
+///
+/// Rays with a NaN or a zero direction, an empty interval or a NaN bound meet nothing and disturb no other lane.
+pub trait Intersector: Sync {
+    /// Arenas and stacks, one a thread, so that tracing allocates nothing once warm.
+    type Scratch: Default + Send;
+
+    /// The nearest hit of every active lane, or a miss. Inactive lanes of `hits` are left untouched.
+    ///
+    /// # Panics
+    /// Where the two slices differ in length.
+    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Self::Scratch);
+
+    /// Whether anything that the ray admits is met. Inactive lanes of `blocked` come out false.
+    ///
+    /// # Panics
+    /// Where the two slices differ in length.
+    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Self::Scratch);
+
+    /// What was built.
+    fn build_stats(&self) -> BuildStats;
+}
+
+/// What building an accelerator came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BuildStats {
+    /// Triangles that can be hit.
+    pub triangles: usize,
+    /// Spheres that can be hit.
+    pub spheres: usize,
+    /// Infinite planes.
+    pub planes: usize,
+    /// Primitives left out: coordinates not finite or too large, corners that coincide, radii not above zero.
+    pub dropped: usize,
+    /// Inner nodes.
+    pub nodes: usize,
+    /// Leaves.
+    pub leaves: usize,
+    /// Levels of inner nodes from the root to the deepest leaf.
+    pub depth: usize,
+    /// Bytes held after the build, shapes apart.
+    pub bytes: usize,
+    /// Wall time of the build.
+    pub time: Duration,
+}
+
+impl BuildStats {
+    /// The sum of two parts of one accelerator (the deeper depth of the two).
+    #[must_use]
+    pub fn and(self, o: Self) -> Self {
+        Self {
+            triangles: self.triangles + o.triangles,
+            spheres: self.spheres + o.spheres,
+            planes: self.planes + o.planes,
+            dropped: self.dropped + o.dropped,
+            nodes: self.nodes + o.nodes,
+            leaves: self.leaves + o.leaves,
+            depth: self.depth.max(o.depth),
+            bytes: self.bytes + o.bytes,
+            time: self.time + o.time,
+        }
+    }
+}

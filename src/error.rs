@@ -1,0 +1,79 @@
+//! The one error type. Its message is one line that names the place, the value and the cure.
+
+use std::path::PathBuf;
+
+/// Why something could not be done. [`Error::exit_code`] is what the program ends with.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Input that is wrong, at a place in a file.
+    #[error("{}:{line}{}: {message}", file.display(), column.map(|c| format!(":{c}")).unwrap_or_default())]
+    Input {
+        /// The file, as the user named it.
+        file: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1, where known.
+        column: Option<usize>,
+        /// What is wrong, the value, and the cure.
+        message: String,
+    },
+    /// Input that is wrong as a whole.
+    #[error("{}: {message}", file.display())]
+    File {
+        /// The file, as the user named it.
+        file: PathBuf,
+        /// What is wrong, the value, and the cure.
+        message: String,
+    },
+    /// A scene or a flag that asks for something impossible.
+    #[error("{0}")]
+    Usage(String),
+    /// The operating system said no.
+    #[error("{}: cannot {action}: {source}", file.display())]
+    Io {
+        /// The file, as the user named it.
+        file: PathBuf,
+        /// What was tried: `read`, `write`, ...
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// More than this program takes on, or a part that is not there.
+    #[error("{0}")]
+    Limit(String),
+    /// Ctrl-C.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// A result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// 2 for bad input or usage, 3 for input and output, 4 for a limit or a missing back end, 130 when interrupted.
+    /// (0 is success, and 1 a comparison or check that came out negative, which is no error.)
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input { .. } | Self::File { .. } | Self::Usage(_) => 2,
+            Self::Io { .. } => 3,
+            Self::Limit(_) => 4,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// Wrong input in `file` as a whole.
+    pub fn file(file: impl Into<PathBuf>, message: impl Into<String>) -> Self {
+        Self::File { file: file.into(), message: message.into() }
+    }
+
+    /// Wrong input at a line of `file`.
+    pub fn at(file: impl Into<PathBuf>, line: usize, message: impl Into<String>) -> Self {
+        Self::Input { file: file.into(), line, column: None, message: message.into() }
+    }
+
+    /// The system's refusal to `action` the file.
+    pub fn io(file: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
+        Self::Io { file: file.into(), action, source }
+    }
+}

@@ -1,0 +1,66 @@
+//! Rays, hits and the shapes that rays meet. No materials: a shape knows only where it is.
+
+mod aabb;
+mod hit;
+mod mesh;
+mod plane;
+mod ray;
+mod sphere;
+
+pub use aabb::Aabb;
+pub use hit::{Hit, Hit8, NO_GEOMETRY};
+pub use mesh::TriMesh;
+pub use plane::Plane;
+pub use ray::{Ray, Ray8};
+pub use sphere::Sphere;
+
+/// The largest magnitude of a coordinate that takes part in intersection, in scene units: products of three stay
+/// finite in `f32`. Embree's bound is the same 1.844e18 (`FLT_LARGE`).
+pub const COORDINATE_LIMIT: f32 = 1.844e18;
+
+/// Which kinds of geometry a ray looks for; a set of bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(transparent)]
+pub struct GeometryMask(pub u8);
+
+impl GeometryMask {
+    /// Surfaces that let no light through.
+    pub const OPAQUE: Self = Self(1);
+    /// Surfaces that let light through.
+    pub const TRANSMISSIVE: Self = Self(2);
+    /// Every surface.
+    pub const ALL: Self = Self(3);
+
+    /// Whether the two sets share a kind.
+    #[inline(always)]
+    #[must_use]
+    pub const fn meets(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+}
+
+impl Default for GeometryMask {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// One shape of a scene. Its place in the list handed to an accelerator is the `geometry` of a hit.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// What it looks like.
+    pub shape: Shape,
+    /// The kinds it counts as; a ray passes through whatever its own mask does not meet.
+    pub mask: GeometryMask,
+}
+
+/// The shapes that can be intersected.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Triangles; the hit's `primitive` is the triangle.
+    Mesh(TriMesh),
+    /// An exact sphere; `primitive` is 0.
+    Sphere(Sphere),
+    /// An infinite plane, which no bounding box holds; `primitive` is 0.
+    Plane(Plane),
+}

@@ -1,0 +1,26 @@
+//! The picture in linear colour, as rendering leaves it.
+
+/// Linear RGB radiance, row by row from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Film {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width * height` colours.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Film {
+    /// A black picture.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] }
+    }
+
+    /// The colour at column `x` and row `y`.
+    #[must_use]
+    pub fn at(&self, x: u32, y: u32) -> [f32; 3] {
+        self.pixels[y as usize * self.width as usize + x as usize]
+    }
+}

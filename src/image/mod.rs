@@ -1,0 +1,5 @@
+//! Pictures: the film, and reading, writing and comparing them.
+
+mod film;
+
+pub use film::Film;

@@ -1,0 +1,226 @@
+//! The small number trait that optics is written over, so that one text serves `f32`, `f64` and eight lanes.
+
+use std::fmt::Debug;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// Whether this build fuses multiply and add in [`Real::fma`]. Decided at compile time, because `wide` decides so:
+/// without it an `f32` `fma` rounds twice, on one lane and on eight alike, and the bounds that rest on it are weaker.
+pub const FUSED: bool = cfg!(target_feature = "fma");
+
+/// The answer of a comparison: one truth value for a scalar, eight for eight lanes.
+pub trait LaneMask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// Whether at least one lane is true.
+    fn any(self) -> bool;
+    /// Whether every lane is true.
+    fn all(self) -> bool;
+}
+
+impl LaneMask for bool {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self
+    }
+}
+
+/// A number, or eight of them, with IEEE 754 arithmetic.
+///
+/// Scalar `f32` and each lane of eight give the same bits for every operation here, which is why `fma`, `exp` and
+/// `pow` are ours and not the standard library's.
+pub trait Real:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// What comparing two of these gives.
+    type Mask: LaneMask;
+
+    /// The nearest representable number to `x`, in every lane.
+    fn splat(x: f64) -> Self;
+    /// `x` as the sum of a nearest number and what it misses, so that twice the digits of `f32` survive.
+    fn split(x: f64) -> (Self, Self);
+    /// `self * b + c`; rounded once where [`FUSED`] says so (in `f64` always).
+    fn fma(self, b: Self, c: Self) -> Self;
+    /// Correctly rounded square root; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// The smaller of the two; the other one where one is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger of the two; the other one where one is NaN.
+    fn max(self, other: Self) -> Self;
+    /// `self < other`; false where either is NaN.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`; false where either is NaN.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self == other`; false where either is NaN.
+    fn eq(self, other: Self) -> Self::Mask;
+    /// `yes` where `mask` is true, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// e to the power `self`; 0 at -inf, never NaN but for NaN. At most 2 ulp off in `f32`.
+    fn exp(self) -> Self;
+    /// `self` to the power `exponent`, for `self >= 0`; 1 where the exponent is 0.
+    fn pow(self, exponent: Self) -> Self;
+
+    /// `self > other`; false where either is NaN.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    /// `self >= other`; false where either is NaN.
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    /// Zero in every lane.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+    /// One in every lane.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::splat(1.0)
+    }
+    /// Square root of `max(self, 0)`, for radicands that only rounding makes negative.
+    #[inline(always)]
+    fn safe_sqrt(self) -> Self {
+        self.max(Self::zero()).sqrt()
+    }
+    /// `self * self`.
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self * self
+    }
+}
+
+impl Real for f32 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x as f32
+    }
+    #[inline(always)]
+    fn split(x: f64) -> (Self, Self) {
+        let high = x as f32;
+        (high, (x - f64::from(high)) as f32)
+    }
+    #[inline(always)]
+    fn fma(self, b: Self, c: Self) -> Self {
+        // `f32::mul_add` without the CPU feature is a correct but slow library call that `wide` does not make;
+        // both sides round twice there, so that they still agree to the bit.
+        if FUSED { self.mul_add(b, c) } else { self * b + c }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f32::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        f32::min(self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        f32::max(self, other)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        super::exp(self)
+    }
+    #[inline(always)]
+    fn pow(self, exponent: Self) -> Self {
+        super::pow(self, exponent)
+    }
+}
+
+impl Real for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn split(x: f64) -> (Self, Self) {
+        (x, 0.0)
+    }
+    #[inline(always)]
+    fn fma(self, b: Self, c: Self) -> Self {
+        self.mul_add(b, c)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        f64::min(self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        f64::max(self, other)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        f64::exp(self)
+    }
+    #[inline(always)]
+    fn pow(self, exponent: Self) -> Self {
+        self.powf(exponent)
+    }
+}

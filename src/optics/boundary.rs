@@ -1,0 +1,68 @@
+//! The boundary between two media, and crossing it: refraction and Fresnel from one square root.
+//!
+//! With `kc = 1 - (n2 / n1)^2` and `b = (n2 / n1) cos_t = sqrt(cos_i^2 - kc)`, the difference that both refraction
+//! and Fresnel need, `cos_i - b`, is `kc / (cos_i + b)`: no cancellation at any index ratio. `kc` is kept as a high
+//! and a low part and subtracted with one rounding, so that the critical angle loses no digits either.
+
+use crate::math::{Real, Vector3};
+
+/// What is computed once for a pair of media.
+#[derive(Clone, Copy, Debug)]
+pub struct Boundary<R> {
+    /// `n1 / n2`, incident over transmitted.
+    pub eta: R,
+    /// `1 - (n2 / n1)^2`, rounded.
+    pub kc: R,
+    /// What `kc` misses.
+    pub kc_low: R,
+    /// Reflectance at normal incidence, `((n1 - n2) / (n1 + n2))^2`.
+    pub r0: R,
+}
+
+/// One ray at a boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing<R: Real> {
+    /// Cosine of the angle of incidence, as given.
+    pub cos_i: R,
+    /// `(n2 / n1) cos_t`; 0 under total reflection.
+    pub b: R,
+    /// Cosine of the angle of refraction; 0 under total reflection.
+    pub cos_t: R,
+    /// Where all light is reflected and no refracted direction exists.
+    pub total: R::Mask,
+}
+
+impl<R: Real> Boundary<R> {
+    /// The boundary a ray meets on its way from index `n1` into index `n2`, both above zero and finite.
+    #[must_use]
+    pub fn new(n1: f64, n2: f64) -> Self {
+        let (kc, kc_low) = R::split((n1 - n2) * (n1 + n2) / (n1 * n1));
+        let r = (n1 - n2) / (n1 + n2);
+        Self { eta: R::splat(n1 / n2), kc, kc_low, r0: R::splat(r * r) }
+    }
+
+    /// What happens to a ray that arrives at `cos_i` (0..=1; rounding above 1 is harmless).
+    #[inline(always)]
+    #[must_use]
+    pub fn cross(&self, cos_i: R) -> Crossing<R> {
+        let b_squared = cos_i.fma(cos_i, -self.kc) - self.kc_low;
+        let total = b_squared.lt(R::zero());
+        let b = b_squared.safe_sqrt();
+        Crossing { cos_i, b, cos_t: b * self.eta, total }
+    }
+
+    /// The refracted direction: `eta (i + kc / (cos_i + b) n)`, of unit length for unit arguments. With equal
+    /// indices it is `incident` to the bit. Meaningless where the crossing is total.
+    #[inline(always)]
+    #[must_use]
+    pub fn refract(&self, incident: Vector3<R>, normal: Vector3<R>, at: &Crossing<R>) -> Vector3<R> {
+        let bend = self.bend(at);
+        normal.fma(bend, incident) * self.eta
+    }
+
+    /// `cos_i - b`, as `kc / (cos_i + b)`; 0 between equal indices, even where grazing makes it 0/0.
+    #[inline(always)]
+    fn bend(&self, at: &Crossing<R>) -> R {
+        R::select(self.kc.eq(R::zero()), R::zero(), self.kc / (at.cos_i + at.b))
+    }
+}

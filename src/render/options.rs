@@ -1,0 +1,31 @@
+//! What a render is asked for beyond the scene's own settings.
+
+use std::sync::atomic::{AtomicBool, AtomicU64};
+
+use crate::optics::FresnelModel;
+
+/// Choices of one render. None of them but `fresnel` changes the picture.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Which Fresnel formula splits light.
+    pub fresnel: FresnelModel,
+    /// Worker threads; 0 is one a processor.
+    pub threads: usize,
+    /// Edge of a square tile in pixels, at least 1.
+    pub tile: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { fresnel: FresnelModel::Exact, threads: 0, tile: 32 }
+    }
+}
+
+/// How a caller watches a render, and stops it.
+#[derive(Debug, Default)]
+pub struct Observer {
+    /// Pixels finished so far.
+    pub pixels_done: AtomicU64,
+    /// Set it, and the render ends within a tile with `Error::Interrupted`.
+    pub stop: AtomicBool,
+}

@@ -1,0 +1,67 @@
+//! What is to be pictured: plain data, joined by indices.
+
+mod camera;
+mod environment;
+mod light;
+mod material;
+mod settings;
+mod texture;
+
+pub use camera::{Camera, Projection};
+pub use environment::Environment;
+pub use light::{Falloff, Light, LightKind};
+pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
+pub use settings::{Settings, ShadowRule};
+pub use texture::Texture;
+
+use crate::geometry::Geometry;
+
+/// Linear red, green and blue; radiance or a factor as its place says.
+pub type Rgb = glam::Vec3;
+
+/// A whole scene. Indices between its lists are in range by construction (`load` sees to it).
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Shapes; a hit's `geometry` is a place in this list.
+    pub geometry: Vec<Geometry>,
+    /// What each shape is, one for one with `geometry`.
+    pub objects: Vec<Object>,
+    /// Surfaces.
+    pub materials: Vec<Material>,
+    /// What fills space. Medium 0 is what surrounds everything (air, index 1, unless the scene says otherwise).
+    pub media: Vec<Medium>,
+    /// Lights that cast light on surfaces.
+    pub lights: Vec<Light>,
+    /// What rays that meet nothing see.
+    pub environment: Environment,
+    /// Colour that every surface's ambient factor is multiplied with; zero by default.
+    pub ambient: Rgb,
+    /// Pictures to look colours up in.
+    pub textures: Vec<Texture>,
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// How the picture is taken.
+    pub settings: Settings,
+}
+
+/// One shape's place in the scene.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// The name messages use.
+    pub name: String,
+    /// Its surface, a place in [`Scene::materials`].
+    pub material: u32,
+    /// Where it comes from, for messages.
+    pub origin: Origin,
+}
+
+/// Where a shape was read.
+#[derive(Clone, Debug, Default)]
+pub struct Origin {
+    /// The file as messages name it; empty for shapes made in memory.
+    pub file: String,
+    /// Line of the whole shape (in a scene file), from 1; 0 where unknown.
+    pub line: u32,
+    /// Line of each triangle (in a model file), from 1; empty for built-in shapes.
+    pub triangle_lines: Vec<u32>,
+}

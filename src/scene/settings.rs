@@ -1,0 +1,34 @@
+//! How a picture is taken.
+
+/// The part of a scene that the command line may override.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// A regular grid of `samples` by `samples` rays a pixel; 1 is the pixel's centre.
+    pub samples: u32,
+    /// How many times a ray may reflect or refract. Deeper rays end as truncated weight.
+    pub max_depth: u32,
+    /// Rays whose largest channel weight is below this end as truncated weight.
+    pub cutoff: f32,
+    /// What transparent surfaces do to shadows.
+    pub shadows: ShadowRule,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { width: 640, height: 480, samples: 1, max_depth: 16, cutoff: 1.0 / 1024.0, shadows: ShadowRule::Straight }
+    }
+}
+
+/// What transparent surfaces do to shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShadowRule {
+    /// They block light as opaque ones do.
+    Opaque,
+    /// Light passes straight on, unbent, weakened at each surface by what that surface lets through (Fresnel seen
+    /// from its thinner side, so that the way back is the same, and tint) and inside by absorption. No caustics.
+    Straight,
+}

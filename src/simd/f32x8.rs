@@ -1,0 +1,288 @@
+//! Eight `f32` lanes. A newtype over `wide::f32x8` that leaves out its traps: the 12-bit `recip` and `recip_sqrt`,
+//! and the NaN-unsafe `fast_min` and `fast_max`.
+
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use super::Mask8;
+use crate::math::{self, Binary32, Real};
+
+/// Eight `f32` numbers, one a lane; 32 bytes, aligned to 32.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
+pub struct F32x8(pub(super) wide::f32x8);
+
+impl F32x8 {
+    /// Zero in all lanes.
+    pub const ZERO: Self = Self::new([0.0; 8]);
+    /// One in all lanes.
+    pub const ONE: Self = Self::new([1.0; 8]);
+    /// Positive infinity in all lanes.
+    pub const INFINITY: Self = Self::new([f32::INFINITY; 8]);
+
+    /// Lanes from an array, lane 0 first.
+    #[inline(always)]
+    #[must_use]
+    pub const fn new(lanes: [f32; 8]) -> Self {
+        Self(wide::f32x8::new(lanes))
+    }
+
+    /// Lanes as an array, lane 0 first.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_array(self) -> [f32; 8] {
+        self.0.to_array()
+    }
+
+    /// Lanes as a slice in place.
+    #[inline(always)]
+    #[must_use]
+    pub fn as_array(&self) -> &[f32; 8] {
+        bytemuck::cast_ref(self)
+    }
+
+    /// Lanes as a mutable slice in place.
+    #[inline(always)]
+    pub fn as_mut_array(&mut self) -> &mut [f32; 8] {
+        bytemuck::cast_mut(self)
+    }
+
+    /// The number in lane `i` (0..8).
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, i: usize) -> f32 {
+        self.as_array()[i]
+    }
+
+    /// Puts `x` into lane `i` (0..8).
+    #[inline(always)]
+    pub fn set_lane(&mut self, i: usize, x: f32) {
+        self.as_mut_array()[i] = x;
+    }
+
+    /// Lanes by a function of the lane number.
+    #[inline(always)]
+    pub fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
+        Self::new(std::array::from_fn(f))
+    }
+
+    /// Lanes whose sign bit is set, as bits (lane 0 lowest).
+    #[inline(always)]
+    #[must_use]
+    pub fn sign_bits(self) -> u8 {
+        self.0.to_bitmask() as u8
+    }
+
+    /// Lanes that are neither infinite nor NaN.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_finite(self) -> Mask8 {
+        Mask8(self.0.is_finite())
+    }
+
+    /// The smallest lane; lanes that are NaN are passed over.
+    #[inline(always)]
+    #[must_use]
+    pub fn reduce_min(self) -> f32 {
+        self.to_array().into_iter().fold(f32::INFINITY, f32::min)
+    }
+}
+
+impl From<f32> for F32x8 {
+    /// The same number in all lanes.
+    #[inline(always)]
+    fn from(x: f32) -> Self {
+        Self(wide::f32x8::splat(x))
+    }
+}
+
+impl Real for F32x8 {
+    type Mask = Mask8;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Self::from(x as f32)
+    }
+    #[inline(always)]
+    fn split(x: f64) -> (Self, Self) {
+        let (high, low) = <f32 as Real>::split(x);
+        (Self::from(high), Self::from(low))
+    }
+    #[inline(always)]
+    fn fma(self, b: Self, c: Self) -> Self {
+        // `wide` fuses exactly where `math::FUSED` is true, and rounds twice elsewhere, as the scalar twin does.
+        Self(self.0.mul_add(b.0, c.0))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask8 {
+        Mask8(self.0.simd_lt(other.0))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask8 {
+        Mask8(self.0.simd_le(other.0))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask8 {
+        Mask8(self.0.simd_eq(other.0))
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, yes: Self, no: Self) -> Self {
+        mask.select(yes, no)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        math::exp(self)
+    }
+    #[inline(always)]
+    fn pow(self, exponent: Self) -> Self {
+        math::pow(self, exponent)
+    }
+}
+
+impl Binary32 for F32x8 {
+    #[inline(always)]
+    fn round_ties_even(self) -> Self {
+        Self(self.0.round_ties_even())
+    }
+
+    #[inline(always)]
+    fn exp2_of_integer(self) -> Self {
+        let biased = self.0.fast_trunc_int() + wide::i32x8::splat(127);
+        Self(bytemuck::cast(biased << 23_u32))
+    }
+
+    #[inline(always)]
+    fn mantissa_and_exponent(self) -> (Self, Self) {
+        let bits: wide::i32x8 = bytemuck::cast(self.0);
+        let exponent = (bits - wide::i32x8::splat(math::SQRT_HALF_BITS as i32)) >> 23_u32;
+        let mantissa = bits - (exponent << 23_u32);
+        (Self(bytemuck::cast(mantissa)), Self(exponent.round_float()))
+    }
+}
+
+impl Add for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Self(self.0 + o.0)
+    }
+}
+
+impl Sub for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Self(self.0 - o.0)
+    }
+}
+
+impl Mul for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, o: Self) -> Self {
+        Self(self.0 * o.0)
+    }
+}
+
+impl Div for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, o: Self) -> Self {
+        Self(self.0 / o.0)
+    }
+}
+
+impl Neg for F32x8 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl AddAssign for F32x8 {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl SubAssign for F32x8 {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+
+impl MulAssign for F32x8 {
+    #[inline(always)]
+    fn mul_assign(&mut self, o: Self) {
+        *self = *self * o;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stream of numbers that covers every exponent, both signs and the special values.
+    fn awkward() -> Vec<f32> {
+        let mut state = 0x1234_5678_u32;
+        let mut v =
+            vec![0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::INFINITY, -f32::INFINITY, f32::NAN];
+        for _ in 0..20_000 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            v.push(f32::from_bits(state));
+        }
+        v.resize(v.len().next_multiple_of(8), 1.0);
+        v
+    }
+
+    fn same(a: f32, b: f32) -> bool {
+        a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()) || (a == 0.0 && b == 0.0 && a == b)
+    }
+
+    fn check(name: &str, eight: impl Fn(F32x8, F32x8) -> F32x8, one: impl Fn(f32, f32) -> f32) {
+        let v = awkward();
+        for (i, chunk) in v.as_chunks::<8>().0.iter().enumerate() {
+            let partner: [f32; 8] = std::array::from_fn(|k| v[(i * 8 + k * 37 + 11) % v.len()]);
+            let got = eight(F32x8::new(*chunk), F32x8::new(partner)).to_array();
+            for k in 0..8 {
+                let want = one(chunk[k], partner[k]);
+                assert!(same(got[k], want), "{name}({}, {}): {} is not {want}", chunk[k], partner[k], got[k]);
+            }
+        }
+    }
+
+    #[test]
+    fn every_operation_gives_each_lane_the_bits_of_the_scalar() {
+        check("add", |a, b| a + b, |a, b| a + b);
+        check("sub", |a, b| a - b, |a, b| a - b);
+        check("mul", |a, b| a * b, |a, b| a * b);
+        check("div", |a, b| a / b, |a, b| a / b);
+        check("neg", |a, _| -a, |a, _| -a);
+        check("min", Real::min, f32::min);
+        check("max", Real::max, f32::max);
+        check("abs", |a, _| Real::abs(a), |a, _| f32::abs(a));
+        check("sqrt", |a, _| Real::sqrt(a), |a, _| f32::sqrt(a));
+        check("fma", |a, b| a.fma(b, a), |a, b| a.fma(b, a));
+        check("select", |a, b| Real::select(a.lt(b), a, b), |a, b| if a < b { a } else { b });
+        check("exp", |a, _| Real::exp(a), |a, _| Real::exp(a));
+        check("pow", |a, b| Real::pow(Real::abs(a), b), |a, b| Real::pow(f32::abs(a), b));
+    }
+}

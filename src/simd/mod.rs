@@ -1,0 +1,36 @@
+//! Eight lanes: numbers, masks and three-vectors over `wide`, and the few operations `wide` lacks, each with a
+//! portable twin. This room knows nothing of rays.
+
+mod f32x8;
+
+mod mask8;
+
+pub use f32x8::F32x8;
+pub use mask8::Mask8;
+
+/// Eight three-vectors in structure-of-arrays.
+pub type Vec3x8 = crate::math::Vector3<F32x8>;
+
+impl Vec3x8 {
+    /// The vector in lane `i` (0..8).
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, i: usize) -> glam::Vec3 {
+        glam::Vec3::new(self.x.lane(i), self.y.lane(i), self.z.lane(i))
+    }
+
+    /// Puts `v` into lane `i` (0..8).
+    #[inline(always)]
+    pub fn set_lane(&mut self, i: usize, v: glam::Vec3) {
+        self.x.set_lane(i, v.x);
+        self.y.set_lane(i, v.y);
+        self.z.set_lane(i, v.z);
+    }
+
+    /// The same vector in all lanes.
+    #[inline(always)]
+    #[must_use]
+    pub fn splat(v: glam::Vec3) -> Self {
+        Self::new(F32x8::from(v.x), F32x8::from(v.y), F32x8::from(v.z))
+    }
+}
