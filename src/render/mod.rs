@@ -1,8 +1,149 @@
 //! From scene to film: tiles of ray streams, traced, shaded eight at a time, and their secondary rays queued.
+//!
+//! One thread renders one tile at a time. A tile's camera rays are traced as one stream; what they meet is sorted by
+//! kind of surface and shaded eight at a time; the rays that follow wait in queues by depth and kind, and the deepest
+//! queue is taken first, a chunk at a time, so that memory is bounded by depth times chunk and not by 2^depth.
 
+mod accumulate;
+mod camera;
+mod direct;
+mod eye;
+mod lookup;
+mod media;
 mod options;
 mod outcome;
+mod queue;
 pub mod reference;
+mod shade;
+mod shadow;
+mod surface;
+mod tile;
+mod worker;
 
 pub use options::{Observer, Options};
 pub use outcome::{Outcome, RayCounts, RayKind};
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::accel::Intersector;
+use crate::image::Film;
+use crate::optics::{AtNormal, Exact, FresnelFormula, FresnelModel, Schlick};
+use crate::scene::Scene;
+use crate::{Error, Result};
+use tile::Tile;
+use worker::Worker;
+
+/// Renders `scene` with `accel`, which was built from `scene.geometry`.
+///
+/// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
+///
+/// # Errors
+/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started.
+pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
+    match options.fresnel {
+        FresnelModel::Exact => render_with::<I, Exact>(scene, accel, options, observer),
+        FresnelModel::Schlick => render_with::<I, Schlick>(scene, accel, options, observer),
+        FresnelModel::Off => render_with::<I, AtNormal>(scene, accel, options, observer),
+    }
+}
+
+/// What one tile came to.
+struct TileResult {
+    tile: Tile,
+    pixels: Vec<([f32; 3], [f32; 3])>,
+}
+
+fn render_with<I: Intersector, F: FresnelFormula>(
+    scene: &Scene,
+    accel: &I,
+    options: &Options,
+    observer: &Observer,
+) -> Result<Outcome> {
+    let settings = &scene.settings;
+    let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
+    let eye_media = eye::media_around(scene, accel);
+    let next = AtomicUsize::new(0);
+
+    let work = || -> Result<(Vec<TileResult>, Tally)> {
+        let mut worker = Worker::new(scene, accel, &eye_media, observer);
+        let mut results = Vec::new();
+        while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+            worker.tile::<F>(&tile)?;
+            let samples = settings.samples * settings.samples;
+            let pixels = (0..tile.pixels()).map(|i| worker.accumulator.mean(i, samples)).collect();
+            results.push(TileResult { tile, pixels });
+            observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
+        }
+        Ok((results, Tally::of(&worker)))
+    };
+
+    let threads = options.thread_count().min(tiles.len());
+    let parts: Vec<_> = std::thread::scope(|scope| {
+        let spawned: Result<Vec<_>> = (1..threads)
+            .map(|_| {
+                std::thread::Builder::new().spawn_scoped(scope, work).map_err(|e| {
+                    Error::Limit(format!("cannot start {threads} threads: {e}; ask for fewer with --threads"))
+                })
+            })
+            .collect();
+        if spawned.is_err() {
+            observer.stop.store(true, Ordering::Relaxed);
+        }
+        // The calling thread works too.
+        let mine = work();
+        let mut parts: Vec<_> = spawned?.into_iter().map(|t| t.join().expect("a worker does not panic")).collect();
+        parts.push(mine);
+        parts.into_iter().collect::<Result<Vec<_>>>()
+    })?;
+
+    let mut film = Film::new(settings.width, settings.height);
+    let mut truncated = Film::new(settings.width, settings.height);
+    let mut tally = Tally::default();
+    for (results, part) in parts {
+        tally.merge(&part);
+        for TileResult { tile, pixels } in results {
+            for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
+                let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
+                for (i, &(radiance, lost)) in line.iter().enumerate() {
+                    film.pixels[start + i] = radiance;
+                    truncated.pixels[start + i] = lost;
+                }
+            }
+        }
+    }
+    Ok(Outcome {
+        film,
+        truncated,
+        rays: tally.rays,
+        non_finite: tally.non_finite,
+        clamped: tally.clamped,
+        unmatched_exits: tally.unmatched_exits,
+    })
+}
+
+/// What a thread counted.
+#[derive(Default)]
+struct Tally {
+    rays: RayCounts,
+    non_finite: u64,
+    clamped: u64,
+    unmatched_exits: u64,
+}
+
+impl Tally {
+    fn of<I: Intersector>(worker: &Worker<I>) -> Self {
+        Self {
+            rays: worker.counts.clone(),
+            non_finite: worker.accumulator.non_finite,
+            clamped: worker.accumulator.clamped,
+            unmatched_exits: worker.unmatched_exits,
+        }
+    }
+
+    fn merge(&mut self, o: &Self) {
+        self.rays.merge(&o.rays);
+        self.non_finite += o.non_finite;
+        self.clamped += o.clamped;
+        self.unmatched_exits += o.unmatched_exits;
+    }
+}

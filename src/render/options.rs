@@ -29,3 +29,14 @@ pub struct Observer {
     /// Set it, and the render ends within a tile with `Error::Interrupted`.
     pub stop: AtomicBool,
 }
+
+impl Options {
+    /// The number of threads asked for, with 0 resolved to one a processor.
+    #[must_use]
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        }
+    }
+}

@@ -1,1 +1,1 @@
-//! stub
+//! The same picture in `f64`.

@@ -1,1 +1,1 @@
-//! stub
+//! Our own 8-wide hierarchy.

@@ -1,1 +1,1 @@
-//! stub
+//! The `f64` arbiter.

@@ -1,0 +1,145 @@
+//! Summing a pixel's contributions so that their order does not matter.
+//!
+//! Floating-point sums depend on their order, and the order in which rays reach a pixel depends on how they were
+//! grouped. Fixed-point sums do not: each contribution is rounded once, towards zero, to a multiple of 2^-64.
+
+use super::queue::Rgb8;
+use crate::math::Real;
+
+/// Binary digits after the point.
+const FRACTION_BITS: i32 = 64;
+
+/// Contributions at or beyond this magnitude are clamped (and counted): 2^62, so that 2^62 of them still fit.
+const LIMIT: f32 = 4.611_686e18;
+
+/// The sums of one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct PixelSum {
+    radiance: [i128; 3],
+    truncated: [i128; 3],
+}
+
+/// The sums of a tile's pixels.
+#[derive(Debug, Default)]
+pub struct Accumulator {
+    pixels: Vec<PixelSum>,
+    /// Contributions left out because a channel was NaN or infinite.
+    pub non_finite: u64,
+    /// Contributions clamped to [`LIMIT`].
+    pub clamped: u64,
+}
+
+impl Accumulator {
+    /// Clears the sums of `n` pixels.
+    pub fn reset(&mut self, n: usize) {
+        self.pixels.clear();
+        self.pixels.resize(n, PixelSum::default());
+    }
+
+    /// Adds radiance to the pixels of the lanes in `lanes`.
+    #[inline]
+    pub fn add_radiance8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
+        self.add8(lanes, pixel, radiance, |sum| &mut sum.radiance);
+    }
+
+    /// Adds the weight of ended rays to the pixels of the lanes in `lanes`.
+    #[inline]
+    pub fn add_truncated8(&mut self, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
+        self.add8(lanes, pixel, weight, |sum| &mut sum.truncated);
+    }
+
+    #[inline]
+    fn add8(&mut self, lanes: u8, pixel: &[u32; 8], value: &Rgb8, field: impl Fn(&mut PixelSum) -> &mut [i128; 3]) {
+        // Zero adds nothing, and much of what comes here is zero; NaN is not zero.
+        let zero = (value.x.eq(Real::zero()) & value.y.eq(Real::zero()) & value.z.eq(Real::zero())).bits();
+        for lane in set_lanes(lanes & !zero) {
+            let rgb = [value.x.lane(lane), value.y.lane(lane), value.z.lane(lane)];
+            if !rgb.iter().all(|c| c.is_finite()) {
+                self.non_finite += 1;
+                continue;
+            }
+            if rgb.iter().any(|c| c.abs() >= LIMIT) {
+                self.clamped += 1;
+            }
+            let sum = field(&mut self.pixels[pixel[lane] as usize]);
+            for (s, c) in sum.iter_mut().zip(rgb) {
+                *s += to_fixed(c.clamp(-LIMIT, LIMIT));
+            }
+        }
+    }
+
+    /// The radiance and the truncated weight of pixel `i`, divided by `samples`.
+    #[must_use]
+    pub fn mean(&self, i: usize, samples: u32) -> ([f32; 3], [f32; 3]) {
+        let scale = 2.0_f64.powi(-FRACTION_BITS) / f64::from(samples);
+        let to_float = |sums: [i128; 3]| sums.map(|s| (s as f64 * scale) as f32);
+        (to_float(self.pixels[i].radiance), to_float(self.pixels[i].truncated))
+    }
+}
+
+/// The numbers of the lanes whose bit is set, lowest first.
+#[inline(always)]
+pub fn set_lanes(mut bits: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            lane
+        })
+    })
+}
+
+/// `x * 2^64` towards zero, for finite `|x| <= 2^62`.
+#[inline]
+fn to_fixed(x: f32) -> i128 {
+    let bits = x.to_bits();
+    let exponent = (bits >> 23 & 0xff) as i32;
+    let mantissa = i128::from(bits & 0x7f_ffff | u32::from(exponent != 0) << 23);
+    // x = mantissa * 2^(max(exponent, 1) - 150).
+    let shift = exponent.max(1) - 150 + FRACTION_BITS;
+    let magnitude = if shift >= 0 { mantissa << shift } else { mantissa >> (-shift).min(127) };
+    if x < 0.0 { -magnitude } else { magnitude }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{F32x8, Vec3x8};
+
+    #[test]
+    fn fixed_point_holds_every_number_a_picture_has_exactly() {
+        for x in [0.0, 1.0, -1.0, 0.1, 1e-9, 12345.678, 4e18, -3.5, f32::MIN_POSITIVE, 1e-45] {
+            let back = to_fixed(x) as f64 * 2.0_f64.powi(-64);
+            assert!((back - f64::from(x)).abs() <= 2.0_f64.powi(-64), "{x} came back as {back}");
+        }
+        assert_eq!(to_fixed(1.0), 1 << 64);
+    }
+
+    #[test]
+    fn a_sum_is_the_same_in_any_order() {
+        let values: Vec<f32> = (0..1000).map(|i| ((i * 7919) % 1000) as f32 * 1e-3 * 10f32.powi(i % 9 - 4)).collect();
+        let sum = |order: &mut dyn Iterator<Item = usize>| {
+            let mut a = Accumulator::default();
+            a.reset(1);
+            for i in order {
+                a.add_radiance8(1, &[0; 8], &Vec3x8::all(F32x8::from(values[i])));
+            }
+            a.mean(0, 1).0
+        };
+        let forward = sum(&mut (0..1000));
+        assert_eq!(forward, sum(&mut (0..1000).rev()));
+        assert_eq!(forward, sum(&mut (0..1000).map(|i| i * 617 % 1000)));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_counted_and_left_out() {
+        let mut a = Accumulator::default();
+        a.reset(1);
+        for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.25, 1e30] {
+            a.add_radiance8(1, &[0; 8], &Vec3x8::all(F32x8::from(x)));
+        }
+        assert_eq!(a.non_finite, 3);
+        assert_eq!(a.clamped, 1);
+        assert!(a.mean(0, 1).0[0] >= 4.6e18);
+    }
+}

@@ -1,0 +1,239 @@
+//! From hits to places: eight surface points with their normals, and how far off them a new ray must start.
+
+use glam::{Vec2, Vec3};
+
+use super::media::StackId;
+use super::queue::{Chunk, Rgb8};
+use crate::geometry::{Hit, Hit8, Shape};
+use crate::math::{LaneMask, Real, gamma};
+use crate::optics::consistent_normal;
+use crate::scene::Scene;
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// Eight places where rays met surfaces. Lanes that are not `active` repeat an active one.
+#[derive(Clone, Debug)]
+pub struct Surface8 {
+    /// Lanes in use.
+    pub active: u8,
+    /// Direction of travel of the rays that arrived, of unit length.
+    pub incident: Vec3x8,
+    /// The place, on the surface to within `reach`.
+    pub point: Vec3x8,
+    /// Unit geometric normal, on the side the ray arrived from.
+    pub normal: Vec3x8,
+    /// Unit shading normal, on the same side; the geometric one where nothing is interpolated.
+    pub shading: Vec3x8,
+    /// How far along the geometric normal a new ray must start, so that it cannot meet the surface it leaves.
+    pub reach: F32x8,
+    /// Whether the ray came from outside.
+    pub front: Mask8,
+    /// The hits themselves.
+    pub hit: [Hit; 8],
+    /// Material of each.
+    pub material: [u32; 8],
+    /// Weight of each ray, absorption on the way here included.
+    pub weight: Rgb8,
+    /// Pixel of each.
+    pub pixel: [u32; 8],
+    /// The media each arrived through.
+    pub stack: [StackId; 8],
+    /// Surfaces passed that were not there.
+    pub passes: [u16; 8],
+}
+
+/// Place of a hit in a chunk: packet times eight plus lane.
+pub type HitRef = u32;
+
+impl Surface8 {
+    /// Gathers up to eight hits (at least one) of a chunk.
+    #[must_use]
+    pub fn gather(scene: &Scene, chunk: &Chunk, hits: &[Hit8], refs: &[HitRef]) -> Self {
+        let at = |k: usize| {
+            let r = refs[k.min(refs.len() - 1)];
+            (r as usize >> 3, r as usize & 7)
+        };
+        let mut incident = Vec3x8::splat(Vec3::Z);
+        let mut origin = incident;
+        let mut weight = incident;
+        let mut t = F32x8::ZERO;
+        for k in 0..8 {
+            let (packet, lane) = at(k);
+            let (ray, state) = (&chunk.rays[packet], &chunk.states[packet]);
+            incident.set_lane(k, ray.dir.lane(lane));
+            origin.set_lane(k, ray.origin.lane(lane));
+            weight.set_lane(k, state.weight.lane(lane));
+            t.set_lane(k, hits[packet].t.lane(lane));
+        }
+        let hit: [Hit; 8] = std::array::from_fn(|k| {
+            let (packet, lane) = at(k);
+            hits[packet].lane(lane)
+        });
+        let place = Place::of(scene, &hit, origin, incident, t);
+
+        // The geometric normal decides the side; both normals then face the ray.
+        let facing = incident.dot(place.outward);
+        let front = facing.lt(F32x8::ZERO);
+        let normal = Vec3x8::select(front, place.outward, -place.outward);
+        let shading = if place.interpolated.any() {
+            let towards = place.shading.dot(normal).lt(F32x8::ZERO);
+            let faced = Vec3x8::select(towards, -place.shading, place.shading);
+            Vec3x8::select(place.interpolated, consistent_normal(incident, normal, faced), normal)
+        } else {
+            normal
+        };
+        let states = &chunk.states;
+        Self {
+            active: ((1_u32 << refs.len()) - 1) as u8,
+            incident,
+            point: place.point,
+            normal,
+            shading,
+            reach: place.reach,
+            front,
+            hit,
+            material: hit.map(|h| scene.objects[h.geometry as usize].material),
+            weight,
+            pixel: std::array::from_fn(|k| states[at(k).0].pixel[at(k).1]),
+            stack: std::array::from_fn(|k| states[at(k).0].stack[at(k).1]),
+            passes: std::array::from_fn(|k| states[at(k).0].passes[at(k).1]),
+        }
+    }
+
+    /// Starts of rays that leave on the side the ray arrived from.
+    #[inline]
+    #[must_use]
+    pub fn above(&self) -> Vec3x8 {
+        self.normal.fma(self.reach, self.point)
+    }
+
+    /// Starts of rays that leave on the far side.
+    #[inline]
+    #[must_use]
+    pub fn below(&self) -> Vec3x8 {
+        self.normal.fma(-self.reach, self.point)
+    }
+
+    /// Texture coordinates of lane `k`; the middle of the picture where the mesh has none. A sphere's run once
+    /// around +y from -z (u) and from bottom to top (v).
+    #[must_use]
+    pub fn uv(&self, scene: &Scene, k: usize) -> Vec2 {
+        let hit = &self.hit[k];
+        match &scene.geometry[hit.geometry as usize].shape {
+            Shape::Mesh(mesh) => mesh
+                .corner_uvs(hit.primitive as usize)
+                .map_or(Vec2::splat(0.5), |[a, b, c]| a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v),
+            Shape::Sphere(_) => {
+                let n = if self.front.lane(k) { self.normal.lane(k) } else { -self.normal.lane(k) };
+                Vec2::new(
+                    0.5 + n.x.atan2(-n.z) / std::f32::consts::TAU,
+                    1.0 - n.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI,
+                )
+            }
+            Shape::Plane(_) => Vec2::splat(0.5),
+        }
+    }
+}
+
+/// Eight places before their sides are settled.
+struct Place {
+    point: Vec3x8,
+    outward: Vec3x8,
+    /// Interpolated normals, unit; anything where not `interpolated`.
+    shading: Vec3x8,
+    interpolated: Mask8,
+    reach: F32x8,
+}
+
+impl Place {
+    fn of(scene: &Scene, hit: &[Hit; 8], origin: Vec3x8, dir: Vec3x8, t: F32x8) -> Self {
+        let mut corners = [Vec3x8::splat(Vec3::ZERO), Vec3x8::splat(Vec3::X), Vec3x8::splat(Vec3::Y)];
+        let mut corner_normals = [Vec3x8::splat(Vec3::Z); 3];
+        let (mut smooth, mut spheres, mut planes) = (0_u8, 0_u8, 0_u8);
+        let mut anchor = Vec3x8::splat(Vec3::ZERO);
+        let mut axis = Vec3x8::splat(Vec3::Y);
+        let mut radius = F32x8::ONE;
+        let (mut u, mut v) = (F32x8::ZERO, F32x8::ZERO);
+        for (k, h) in hit.iter().enumerate() {
+            match &scene.geometry[h.geometry as usize].shape {
+                Shape::Mesh(mesh) => {
+                    let i = h.primitive as usize;
+                    for (eight, one) in corners.iter_mut().zip(mesh.corners(i)) {
+                        eight.set_lane(k, one);
+                    }
+                    u.set_lane(k, h.u);
+                    v.set_lane(k, h.v);
+                    if let Some(normals) = mesh.corner_normals(i) {
+                        smooth |= 1 << k;
+                        for (eight, one) in corner_normals.iter_mut().zip(normals) {
+                            eight.set_lane(k, one);
+                        }
+                    }
+                }
+                Shape::Sphere(s) => {
+                    spheres |= 1 << k;
+                    anchor.set_lane(k, s.centre);
+                    radius.set_lane(k, s.radius);
+                }
+                Shape::Plane(p) => {
+                    planes |= 1 << k;
+                    anchor.set_lane(k, p.point);
+                    axis.set_lane(k, p.normal);
+                }
+            }
+        }
+
+        let mut place = on_triangles(corners, u, v);
+        if smooth != 0 {
+            let mixed = corner_normals[0] * (F32x8::ONE - u - v) + corner_normals[1] * u + corner_normals[2] * v;
+            // Opposed corner normals can cancel; the geometric one stands in there.
+            let usable = Mask8::from_bits(smooth) & mixed.length_squared().gt(F32x8::from(1e-12));
+            place.shading = Vec3x8::select(usable, mixed.normalized(), place.outward);
+            place.interpolated = usable;
+        }
+        if spheres != 0 {
+            place.replace(Mask8::from_bits(spheres), on_spheres(anchor, radius, dir.fma(t, origin)));
+        }
+        if planes != 0 {
+            place.replace(Mask8::from_bits(planes), on_planes(anchor, axis, dir.fma(t, origin)));
+        }
+        place
+    }
+
+    fn replace(&mut self, lanes: Mask8, other: Self) {
+        self.point = Vec3x8::select(lanes, other.point, self.point);
+        self.outward = Vec3x8::select(lanes, other.outward, self.outward);
+        self.reach = Real::select(lanes, other.reach, self.reach);
+    }
+}
+
+/// Points from barycentrics. `reach` covers both what rounding can put the point off the plane (seven operations,
+/// pbrt section 6.8.4, and two for the offset itself) and what rounding in the intersection test can move a triangle
+/// of this size (four units of the longest edge).
+fn on_triangles([a, b, c]: [Vec3x8; 3], u: F32x8, v: F32x8) -> Place {
+    let w = F32x8::ONE - u - v;
+    let point = c.fma(v, b.fma(u, a * w));
+    let magnitude = c.abs().fma(v, b.abs().fma(u, a.abs() * w));
+    let (e1, e2) = (b - a, c - a);
+    let size = e1.abs().max_component().max(e2.abs().max_component());
+    // Scaled to size 1, so that the product of tiny edges does not underflow.
+    let scale = F32x8::ONE / size;
+    let outward = (e1 * scale).cross(e2 * scale).normalized();
+    let reach = outward.abs().dot(magnitude) * F32x8::from(gamma(9)) + size * F32x8::from(gamma(4));
+    Place { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
+}
+
+/// Points pulled back onto the sphere: centre plus radius times unit normal.
+fn on_spheres(centre: Vec3x8, radius: F32x8, near: Vec3x8) -> Place {
+    let outward = (near - centre).normalized();
+    let point = outward.fma(radius, centre);
+    let reach = outward.abs().dot(centre.abs()) * F32x8::from(gamma(5)) + radius * F32x8::from(gamma(8));
+    Place { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
+}
+
+/// Points pulled back onto the plane along its normal.
+fn on_planes(anchor: Vec3x8, axis: Vec3x8, near: Vec3x8) -> Place {
+    let height = (near - anchor).dot(axis);
+    let point = axis.fma(-height, near);
+    let reach = axis.abs().dot(point.abs() + anchor.abs()) * F32x8::from(gamma(9));
+    Place { point, outward: axis, shading: axis, interpolated: Mask8::NONE, reach }
+}

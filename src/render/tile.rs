@@ -1,0 +1,107 @@
+//! Cutting the picture into squares, and squares into packets.
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Leftmost column.
+    pub x: u32,
+    /// Topmost row.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// Eight neighbouring pixels, four wide and two high; some may lie outside the tile.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelPacket {
+    x: u32,
+    y: u32,
+}
+
+/// Edge of the blocks in which packets follow each other, in pixels.
+const BLOCK: u32 = 8;
+
+impl Tile {
+    /// The tiles of a picture, row by row, with `edge` (at least 1) pixels to a side where they fit.
+    #[must_use]
+    pub fn cover(width: u32, height: u32, edge: u32) -> Vec<Self> {
+        let mut tiles = Vec::new();
+        for y in (0..height).step_by(edge as usize) {
+            for x in (0..width).step_by(edge as usize) {
+                tiles.push(Self { x, y, width: edge.min(width - x), height: edge.min(height - y) });
+            }
+        }
+        tiles
+    }
+
+    /// How many pixels it has.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Packets that cover it, block by block, so that rays near in the stream are near in the picture.
+    pub fn packets(&self) -> impl Iterator<Item = PixelPacket> + use<> {
+        let tile = *self;
+        let blocks = |extent: u32| (0..extent).step_by(BLOCK as usize);
+        blocks(tile.height).flat_map(move |by| {
+            blocks(tile.width).flat_map(move |bx| {
+                (0..BLOCK).step_by(2).flat_map(move |py| {
+                    (0..BLOCK).step_by(4).map(move |px| PixelPacket { x: tile.x + bx + px, y: tile.y + by + py })
+                })
+            })
+        })
+    }
+}
+
+impl PixelPacket {
+    /// Column of lane `k`.
+    #[inline]
+    #[must_use]
+    pub fn x(&self, k: usize) -> u32 {
+        self.x + k as u32 % 4
+    }
+
+    /// Row of lane `k`.
+    #[inline]
+    #[must_use]
+    pub fn y(&self, k: usize) -> u32 {
+        self.y + k as u32 / 4
+    }
+
+    /// Number of lane `k`'s pixel within the tile, row by row; `None` outside.
+    #[inline]
+    #[must_use]
+    pub fn pixel(&self, tile: &Tile, k: usize) -> Option<u32> {
+        let (x, y) = (self.x(k) - tile.x, self.y(k) - tile.y);
+        (x < tile.width && y < tile.height).then(|| y * tile.width + x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_and_their_packets_cover_every_pixel_once() {
+        for (w, h, edge) in [(1, 1, 32), (7, 5, 3), (64, 64, 32), (33, 17, 16), (100, 3, 8), (9, 9, 100)] {
+            let mut seen = vec![0; (w * h) as usize];
+            for tile in Tile::cover(w, h, edge) {
+                let mut numbers = Vec::new();
+                for packet in tile.packets() {
+                    for k in 0..8 {
+                        if let Some(number) = packet.pixel(&tile, k) {
+                            numbers.push(number);
+                            seen[(packet.y(k) * w + packet.x(k)) as usize] += 1;
+                        }
+                    }
+                }
+                numbers.sort_unstable();
+                assert!(numbers.into_iter().eq(0..tile.pixels() as u32));
+            }
+            assert!(seen.iter().all(|&n| n == 1), "{w} x {h} in tiles of {edge}");
+        }
+    }
+}
