@@ -1,0 +1,84 @@
+//! The house keeps its shape: rooms import only from the rooms below them.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Who may import whom, as `src/README.md` says. A room may always import from itself, and anyone may use `error`.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("math", &[]),
+    ("simd", &["math"]),
+    ("geometry", &["simd", "math"]),
+    ("optics", &["simd", "math"]),
+    ("accel", &["geometry", "simd", "math"]),
+    ("scene", &["geometry", "math"]),
+    ("image", &[]),
+    ("load", &["scene", "geometry", "image", "optics", "math"]),
+    ("render", &["scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("cli", &["load", "render", "accel", "image", "scene", "optics", "simd"]),
+];
+
+fn rust_files(dir: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(dir).expect("src can be read") {
+        let path = entry.expect("src can be listed").path();
+        if path.is_dir() {
+            rust_files(&path, out);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            out.push(path);
+        }
+    }
+}
+
+/// Rooms named after `crate::` in the code (not the comments) of one file, unit tests left out.
+fn imports(text: &str) -> BTreeSet<String> {
+    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+    code.lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .flat_map(|line| line.split("crate::").skip(1))
+        .flat_map(|rest| {
+            // `crate::{a::B, c::D}` names a room at its start and after each comma.
+            let list = rest.strip_prefix('{').map_or(vec![rest], |inner| inner.split(", ").collect());
+            list.into_iter().map(leading_name).collect::<Vec<_>>()
+        })
+        .filter(|name| name.starts_with(char::is_lowercase))
+        .collect()
+}
+
+fn leading_name(text: &str) -> String {
+    text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+#[test]
+fn rooms_import_only_from_rooms_below() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    let mut wrong = Vec::new();
+    for file in &files {
+        let inside = file.strip_prefix(&src).expect("file lies in src");
+        let room = inside.components().next().expect("file has a name").as_os_str().to_string_lossy().into_owned();
+        if room.ends_with(".rs") {
+            continue;
+        }
+        let Some((_, below)) = ARROWS.iter().find(|(name, _)| *name == room) else {
+            wrong.push(format!("{}: room {room} is not in the list of arrows", inside.display()));
+            continue;
+        };
+        for name in imports(&std::fs::read_to_string(file).expect("source can be read")) {
+            if name != room && name != "error" && !below.contains(&name.as_str()) {
+                wrong.push(format!("{} imports {name}", inside.display()));
+            }
+        }
+    }
+    assert!(files.len() > 30, "found {} files only", files.len());
+    assert!(wrong.is_empty(), "arrows that go up or sideways:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_list_of_arrows_has_no_cycle() {
+    // A room is listed after every room that it may import.
+    for (i, (room, below)) in ARROWS.iter().enumerate() {
+        for name in *below {
+            assert!(ARROWS[..i].iter().any(|(earlier, _)| earlier == name), "{room} may import {name}, listed later");
+        }
+    }
+}
