@@ -10,6 +10,9 @@ use crate::simd::Mask8;
 
 pub mod native;
 pub mod reference;
+mod unbounded;
+
+pub use unbounded::Unbounded;
 
 /// What the caller knows of a stream's order. A back end may check it, and may ignore it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

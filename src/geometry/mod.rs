@@ -3,9 +3,11 @@
 mod aabb;
 mod hit;
 mod mesh;
-mod plane;
+pub(crate) mod plane;
 mod ray;
-mod sphere;
+pub(crate) mod slab;
+pub(crate) mod sphere;
+pub(crate) mod triangle;
 
 pub use aabb::Aabb;
 pub use hit::{Hit, Hit8, NO_GEOMETRY};
@@ -13,6 +15,7 @@ pub use mesh::TriMesh;
 pub use plane::Plane;
 pub use ray::{Ray, Ray8};
 pub use sphere::Sphere;
+pub use triangle::intersect as intersect_triangle;
 
 /// The largest magnitude of a coordinate that takes part in intersection, in scene units: products of three stay
 /// finite in `f32`. Embree's bound is the same 1.844e18 (`FLT_LARGE`).

@@ -145,6 +145,15 @@ impl Real for F32x8 {
         mask.select(yes, no)
     }
     #[inline(always)]
+    fn min_or(self, other: Self) -> Self {
+        // `wide` hands this to the instruction of each CPU; only those of x86 answer `other` to a NaN.
+        if cfg!(target_arch = "x86_64") { Self(self.0.fast_min(other.0)) } else { self.lt(other).select(self, other) }
+    }
+    #[inline(always)]
+    fn max_or(self, other: Self) -> Self {
+        if cfg!(target_arch = "x86_64") { Self(self.0.fast_max(other.0)) } else { other.lt(self).select(self, other) }
+    }
+    #[inline(always)]
     fn exp(self) -> Self {
         math::exp(self)
     }
@@ -278,6 +287,8 @@ mod tests {
         check("neg", |a, _| -a, |a, _| -a);
         check("min", Real::min, f32::min);
         check("max", Real::max, f32::max);
+        check("min_or", Real::min_or, |a, b| if a < b { a } else { b });
+        check("max_or", Real::max_or, |a, b| if a > b { a } else { b });
         check("abs", |a, _| Real::abs(a), |a, _| f32::abs(a));
         check("sqrt", |a, _| Real::sqrt(a), |a, _| f32::sqrt(a));
         check("fma", |a, b| a.fma(b, a), |a, b| a.fma(b, a));

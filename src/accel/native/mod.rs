@@ -1,1 +1,174 @@
-//! Our own 8-wide hierarchy.
+//! Our own hierarchy, eight wide: triangles in one tree, exact spheres in another.
+//!
+//! One ray meets eight boxes or eight primitives at once, or eight rays meet one of each; every kernel gives every
+//! ray the same bits, which are those of testing all primitives one after the other. See `geometry/slab.rs` and
+//! `geometry/triangle.rs` for why no box can lose a hit and no seam a ray.
+
+mod bvh2;
+mod bvh8;
+mod collapse;
+mod leaf;
+mod rays;
+mod sphere8;
+mod split;
+mod stack;
+mod traverse_packet;
+mod traverse_single;
+mod traverse_stream;
+mod tri8;
+mod validate;
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use self::bvh2::PrimRef;
+use self::bvh8::{Bvh8, Node8};
+use self::leaf::Best8;
+use self::rays::Eight;
+use self::sphere8::Sphere8;
+pub use self::stack::Stack;
+pub use self::traverse_stream::Kernel;
+use self::tri8::Tri8;
+use super::{BuildStats, Coherence, Intersector};
+use crate::geometry::{Geometry, Hit8, Ray8, Shape, slab, sphere};
+use crate::math::Vector3;
+use crate::simd::Mask8;
+
+/// The native accelerator. Holds its own copy of the triangles; planes are left to [`super::Unbounded`].
+#[derive(Clone, Debug)]
+pub struct Native {
+    triangles: Bvh8<Tri8>,
+    spheres: Bvh8<Sphere8>,
+    stats: BuildStats,
+}
+
+impl Native {
+    /// Builds over the meshes and spheres of `geometry`; a hit's geometry is the place in this list. What cannot be
+    /// hit ([`crate::geometry::TriMesh::is_usable`]) is left out and counted. The same tree for any number of threads.
+    #[must_use]
+    pub fn build(geometry: &[Geometry]) -> Self {
+        let start = Instant::now();
+        let (mut triangles, mut spheres) = (Vec::new(), Vec::new());
+        let mut dropped = 0;
+        for (id, g) in geometry.iter().enumerate() {
+            let id = id as u32;
+            match &g.shape {
+                Shape::Mesh(mesh) => {
+                    let before = triangles.len();
+                    let usable = (0..mesh.triangles.len()).into_par_iter().filter(|&i| mesh.is_usable(i));
+                    triangles.par_extend(usable.map(|i| triangle_ref(mesh.corners(i), id, i as u32)));
+                    dropped += mesh.triangles.len() - (triangles.len() - before);
+                }
+                Shape::Sphere(s) if s.is_usable() => {
+                    let (lo, hi) = sphere::grown_bounds::<f32>(s.centre.into(), s.radius);
+                    spheres.push(PrimRef::new([lo.x, lo.y, lo.z], [hi.x, hi.y, hi.z], id, 0));
+                }
+                Shape::Sphere(_) => dropped += 1,
+                Shape::Plane(_) => {}
+            }
+        }
+        let mut stats =
+            BuildStats { triangles: triangles.len(), spheres: spheres.len(), dropped, ..Default::default() };
+        let triangles = collapse::bvh8(&mut triangles, |prims| {
+            let of = |p: &PrimRef| {
+                let (id, primitive) = p.id();
+                let g = &geometry[id as usize];
+                let Shape::Mesh(mesh) = &g.shape else { unreachable!("a reference to a triangle names a mesh") };
+                (mesh.corners(primitive as usize), id, primitive, g.mask.0)
+            };
+            Tri8::new(&prims.iter().map(of).collect::<arrayvec::ArrayVec<_, 8>>())
+        });
+        let spheres = collapse::bvh8(&mut spheres, |prims| {
+            let of = |p: &PrimRef| {
+                let g = &geometry[p.id().0 as usize];
+                let Shape::Sphere(sphere) = g.shape else { unreachable!("a reference to a sphere names one") };
+                (sphere, p.id().0, g.mask.0)
+            };
+            Sphere8::new(&prims.iter().map(of).collect::<arrayvec::ArrayVec<_, 8>>())
+        });
+        stats.nodes = triangles.nodes.len() + spheres.nodes.len();
+        stats.leaves = triangles.leaves.len() + spheres.leaves.len();
+        stats.depth = triangles.depth.max(spheres.depth);
+        stats.bytes = triangles.bytes() + spheres.bytes();
+        stats.time = start.elapsed();
+        Self { triangles, spheres, stats }
+    }
+
+    /// The trees byte by byte, to tell whether two builds came out the same.
+    #[must_use]
+    pub fn tree_bytes(&self) -> Vec<u8> {
+        let (t, s) = (&self.triangles, &self.spheres);
+        let leaves = t.leaves.iter().flat_map(Tri8::words).chain(s.leaves.iter().flat_map(Sphere8::words));
+        let nodes = t.nodes.iter().chain(&s.nodes).flat_map(Node8::words);
+        nodes.chain(leaves).flat_map(u32::to_le_bytes).collect()
+    }
+
+    /// [`Intersector::closest`] by a kernel of choice.
+    ///
+    /// # Panics
+    /// Where the two slices differ in length.
+    pub fn closest_with(
+        &self,
+        kernel: Kernel,
+        rays: &[Ray8],
+        hits: &mut [Hit8],
+        coherence: Coherence,
+        scratch: &mut Stack,
+    ) {
+        assert_eq!(rays.len(), hits.len());
+        for (rays, hits) in rays.iter().zip(hits) {
+            let ready = Eight::new(rays);
+            let mut best = Best8::new(ready.t_max);
+            traverse_stream::closest(&self.spheres, &ready, kernel, coherence, &mut best, scratch);
+            traverse_stream::closest(&self.triangles, &ready, kernel, coherence, &mut best, scratch);
+            best.write(rays.active, hits);
+        }
+    }
+
+    /// [`Intersector::occluded`] by a kernel of choice.
+    ///
+    /// # Panics
+    /// Where the two slices differ in length.
+    pub fn occluded_with(
+        &self,
+        kernel: Kernel,
+        rays: &[Ray8],
+        blocked: &mut [Mask8],
+        coherence: Coherence,
+        scratch: &mut Stack,
+    ) {
+        assert_eq!(rays.len(), blocked.len());
+        for (rays, blocked) in rays.iter().zip(blocked) {
+            let ready = Eight::new(rays);
+            let by_sphere = traverse_stream::occluded(&self.spheres, &ready, ready.lanes, kernel, coherence, scratch);
+            let left = ready.lanes & !by_sphere;
+            let by_triangle = traverse_stream::occluded(&self.triangles, &ready, left, kernel, coherence, scratch);
+            *blocked = Mask8::from_bits(by_sphere | by_triangle);
+        }
+    }
+}
+
+/// A triangle's reference for the build, with the box that the triangle test knows it by.
+fn triangle_ref(corners: [glam::Vec3; 3], geometry: u32, primitive: u32) -> PrimRef {
+    let [a, b, c] = corners;
+    let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+    let (lo, hi): (Vector3<f32>, Vector3<f32>) = slab::grown(lo.into(), hi.into());
+    PrimRef::new([lo.x, lo.y, lo.z], [hi.x, hi.y, hi.z], geometry, primitive)
+}
+
+impl Intersector for Native {
+    type Scratch = Stack;
+
+    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Stack) {
+        self.closest_with(Kernel::Auto, rays, hits, coherence, scratch);
+    }
+
+    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Stack) {
+        self.occluded_with(Kernel::Auto, rays, blocked, coherence, scratch);
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        self.stats
+    }
+}

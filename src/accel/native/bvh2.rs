@@ -1,0 +1,130 @@
+//! The binary hierarchy that a build makes first: top-down, by the surface area heuristic over bins (Wald 2007).
+//!
+//! The same primitives give the same tree for any number of threads: where to split is decided from sums and minima
+//! whose order does not matter, and who works on which half is decided by size alone.
+
+use super::split::{self, Split};
+use crate::math::Real;
+use crate::simd::F32x8;
+
+/// Primitives a leaf can hold.
+pub(super) const LEAF_SIZE: usize = 8;
+
+/// Levels of inner nodes that no tree exceeds; it sizes the stacks of every traversal.
+pub(super) const MAX_DEPTH: usize = 64;
+
+/// Sets larger than this are split by two tasks.
+const PARALLEL: usize = 4096;
+
+/// What a visit to a binary node costs, in visits to a leaf block. A node of eight replaces about three levels.
+const NODE_COST: f32 = 0.15;
+
+/// A primitive to sort: the box that stands for it, and who it is.
+///
+/// Lanes: lower corner, geometry, upper corner negated, primitive; so that one minimum unites two boxes. The two ids
+/// are bit patterns, and their lanes of a union mean nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PrimRef(pub F32x8);
+
+impl PrimRef {
+    /// From a box and ids.
+    #[inline(always)]
+    pub fn new(lo: [f32; 3], hi: [f32; 3], geometry: u32, primitive: u32) -> Self {
+        let (geometry, primitive) = (f32::from_bits(geometry), f32::from_bits(primitive));
+        Self(F32x8::new([lo[0], lo[1], lo[2], geometry, -hi[0], -hi[1], -hi[2], primitive]))
+    }
+
+    /// `(geometry, primitive)`.
+    #[inline(always)]
+    pub fn id(&self) -> (u32, u32) {
+        (self.0.lane(3).to_bits(), self.0.lane(7).to_bits())
+    }
+
+    /// Twice the centre of the box, along one axis.
+    #[inline(always)]
+    pub fn twice_centre(&self, axis: usize) -> f32 {
+        self.0.lane(axis) - self.0.lane(axis + 4)
+    }
+}
+
+/// A box in the lanes of a [`PrimRef`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds(pub F32x8);
+
+impl Bounds {
+    /// Holds nothing.
+    pub const EMPTY: Self = Self(F32x8::INFINITY);
+
+    /// The smallest box around both.
+    #[inline(always)]
+    pub fn union(self, other: F32x8) -> Self {
+        Self(self.0.min_or(other))
+    }
+
+    /// Lower corner.
+    #[inline(always)]
+    pub fn lo(&self) -> [f32; 3] {
+        [0, 1, 2].map(|k| self.0.lane(k))
+    }
+
+    /// Upper corner.
+    #[inline(always)]
+    pub fn hi(&self) -> [f32; 3] {
+        [4, 5, 6].map(|k| -self.0.lane(k))
+    }
+
+    /// Half the surface area; 0 for an empty box.
+    #[inline(always)]
+    pub fn half_area(&self) -> f32 {
+        let b = self.0.to_array();
+        let [x, y, z] = [0, 1, 2].map(|k| (-b[k + 4] - b[k]).max_or(0.0));
+        x * (y + z) + y * z
+    }
+}
+
+/// A node of the binary tree, with the box around what it holds.
+#[derive(Debug)]
+pub(super) struct Node2 {
+    pub bounds: Bounds,
+    pub kind: Kind,
+}
+
+/// What a node of the binary tree holds.
+#[derive(Debug)]
+pub(super) enum Kind {
+    /// Primitives, from the place `first` on; 1 to [`LEAF_SIZE`].
+    Leaf { first: usize, count: usize },
+    /// Two halves.
+    Inner(Box<[Node2; 2]>),
+}
+
+/// Sorts `prims` into a tree, whose leaves name places in the slice as it is left. `None` where it is empty.
+pub(super) fn build(prims: &mut [PrimRef]) -> Option<Node2> {
+    (!prims.is_empty()).then(|| node(prims, 0, 0))
+}
+
+fn node(prims: &mut [PrimRef], first: usize, depth: usize) -> Node2 {
+    let extent = split::Extent::of(prims);
+    let count = prims.len();
+    let leaf = Kind::Leaf { first, count };
+    let bounds = extent.bounds;
+    let best = split::best(prims, &extent);
+    if count <= LEAF_SIZE {
+        let worth_it = best.is_some_and(|b| NODE_COST * bounds.half_area() + b.cost < bounds.half_area());
+        if !worth_it || depth >= MAX_DEPTH {
+            return Node2 { bounds, kind: leaf };
+        }
+    }
+    // Halving from here on must still fit: then the heuristic has had its way for long enough.
+    let levels_to_halve = count.div_ceil(LEAF_SIZE).next_power_of_two().trailing_zeros() as usize;
+    let balanced = depth + levels_to_halve + 1 >= MAX_DEPTH;
+    let middle = match best {
+        Some(Split { axis, bin, .. }) if !balanced => split::partition(prims, &extent, axis, bin),
+        _ => split::halve(prims, &extent),
+    };
+    let (low, high) = prims.split_at_mut(middle);
+    let mut left = || node(low, first, depth + 1);
+    let mut right = || node(high, first + middle, depth + 1);
+    let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
+    Node2 { bounds, kind: Kind::Inner(Box::new([left, right])) }
+}

@@ -1,0 +1,70 @@
+//! From the binary tree to nodes of eight: each takes in its descendants, largest first, until it has eight children.
+
+use rayon::prelude::*;
+
+use super::bvh2::{Kind, Node2, PrimRef, build};
+use super::bvh8::{Bvh8, Child, Node8};
+
+/// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them.
+pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> L + Sync) -> Bvh8<L> {
+    let Some(root) = build(prims) else {
+        return Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, depth: 0 };
+    };
+    let mut flat = Flat::default();
+    let root = flat.place(&root, 0);
+    let leaves = flat.leaves.par_iter().map(|&(first, count)| leaf(&prims[first..first + count])).collect();
+    Bvh8 { nodes: flat.nodes, leaves, root, depth: flat.depth }
+}
+
+#[derive(Default)]
+struct Flat {
+    nodes: Vec<Node8>,
+    /// First primitive and how many.
+    leaves: Vec<(usize, usize)>,
+    depth: usize,
+}
+
+impl Flat {
+    /// Places a subtree whose root is at `depth`; depth first, so that near relatives are near in memory.
+    fn place(&mut self, node: &Node2, depth: usize) -> Child {
+        let halves = match &node.kind {
+            Kind::Leaf { first, count } => {
+                self.depth = self.depth.max(depth);
+                self.leaves.push((*first, *count));
+                return Child::leaf(self.leaves.len() - 1);
+            }
+            Kind::Inner(halves) => halves,
+        };
+        let children = descendants(halves);
+        let here = self.nodes.len();
+        self.nodes.push(Node8::EMPTY);
+        for (i, child) in children.iter().enumerate() {
+            let to = self.place(child, depth + 1);
+            let node = &mut self.nodes[here];
+            node.children[i] = to;
+            let (lo, hi) = (child.bounds.lo(), child.bounds.hi());
+            for axis in 0..3 {
+                node.planes[axis][0].set_lane(i, lo[axis]);
+                node.planes[axis][1].set_lane(i, hi[axis]);
+            }
+        }
+        Child::node(here)
+    }
+}
+
+/// Up to eight nodes that together hold what the two hold: always the largest inner one is opened.
+fn descendants(halves: &[Node2; 2]) -> arrayvec::ArrayVec<&Node2, 8> {
+    let mut open: arrayvec::ArrayVec<&Node2, 8> = halves.iter().collect();
+    while open.len() < 8 {
+        let largest = (0..open.len())
+            .filter(|&i| matches!(open[i].kind, Kind::Inner(_)))
+            .max_by(|&i, &k| open[i].bounds.half_area().total_cmp(&open[k].bounds.half_area()).then(k.cmp(&i)));
+        let Some(i) = largest else { break };
+        if let Kind::Inner(halves) = &open[i].kind {
+            let [a, b] = halves.as_ref();
+            open[i] = a;
+            open.push(b);
+        }
+    }
+    open
+}

@@ -1,0 +1,128 @@
+//! Rays made ready for traversal: what every step would otherwise work out again.
+
+use crate::geometry::Ray8;
+use crate::geometry::slab::{SlabRay, T_LIMIT, is_traceable};
+use crate::geometry::triangle::{Axis, ShearedRay};
+use crate::math::Real;
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// Eight rays, made ready together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eight {
+    /// Starts and inverse directions.
+    pub slab: SlabRay<F32x8>,
+    /// Directions.
+    pub dir: Vec3x8,
+    /// Turned and sheared for the triangle test.
+    pub sheared: ShearedRay<F32x8>,
+    /// Longest axes of the directions.
+    pub axis: Axis<Mask8>,
+    /// Lanes whose longest axis is x, and y.
+    axis_bits: (u8, u8),
+    /// Lower ends of the intervals.
+    pub t_min: F32x8,
+    /// Upper ends; -inf in lanes without a ray that can meet anything.
+    pub t_max: F32x8,
+    /// Lanes with a ray that can meet anything.
+    pub lanes: u8,
+    /// Kinds of geometry looked for.
+    pub admits: u8,
+    /// Sign bits of the inverse directions, an axis each.
+    backwards: [u8; 3],
+}
+
+impl Eight {
+    /// Makes a packet ready. Lanes that can meet nothing are left out from here on.
+    #[inline(always)]
+    pub fn new(rays: &Ray8) -> Self {
+        let t_max = Real::min(rays.t_max, F32x8::from(T_LIMIT));
+        let sound = is_traceable(rays.origin, rays.dir, rays.t_min, t_max) & rays.t_max.eq(rays.t_max);
+        let lanes = sound.bits() & rays.active;
+        let (sheared, axis) = ShearedRay::new(rays.origin, rays.dir);
+        let slab = SlabRay::new(rays.origin, rays.dir);
+        Self {
+            slab,
+            dir: rays.dir,
+            sheared,
+            axis,
+            axis_bits: (axis.is_x.bits(), axis.is_y.bits()),
+            t_min: rays.t_min,
+            t_max: Mask8::from_bits(lanes).select(t_max, F32x8::from(f32::NEG_INFINITY)),
+            lanes,
+            admits: rays.admits.0,
+            backwards: [slab.inverse.x, slab.inverse.y, slab.inverse.z].map(F32x8::sign_bits),
+        }
+    }
+
+    /// The lanes among `lanes` that run into the same octant as the lowest of them.
+    #[inline(always)]
+    pub fn same_octant(&self, lanes: u8) -> u8 {
+        let first = lanes.trailing_zeros() & 7;
+        self.backwards.iter().fold(lanes, |kept, &b| kept & if b >> first & 1 != 0 { b } else { !b })
+    }
+
+    /// For each axis, 1 where the ray of `lane` runs backwards along it: the index of its near planes.
+    #[inline(always)]
+    pub fn octant(&self, lane: usize) -> [usize; 3] {
+        self.backwards.map(|b| usize::from(b >> lane & 1))
+    }
+
+    /// The longest axis of all of `lanes`, where they agree.
+    #[inline(always)]
+    pub fn common_axis(&self, lanes: u8) -> Option<usize> {
+        let (x, y) = (self.axis_bits.0 & lanes, self.axis_bits.1 & lanes);
+        match (x == lanes, y == lanes, x | y == 0) {
+            (true, _, _) => Some(0),
+            (_, true, _) => Some(1),
+            (_, _, true) => Some(2),
+            _ => None,
+        }
+    }
+}
+
+/// One ray in all eight lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct One {
+    /// Start and inverse direction.
+    pub slab: SlabRay<F32x8>,
+    /// Direction.
+    pub dir: Vec3x8,
+    /// Turned and sheared for the triangle test.
+    pub sheared: ShearedRay<F32x8>,
+    /// The axes in the order in which the triangle test wants them, the longest last.
+    pub axes: [usize; 3],
+    /// Lower end of the interval.
+    pub t_min: F32x8,
+    /// For each axis, 1 where the ray runs backwards along it.
+    pub octant: [usize; 3],
+    /// Kinds of geometry looked for.
+    pub admits: u8,
+}
+
+impl One {
+    /// The ray in one lane of a packet.
+    #[inline(always)]
+    pub fn new(rays: &Eight, lane: usize) -> Self {
+        let all = |x: &F32x8| F32x8::from(x.lane(lane));
+        let spread = |v: &Vec3x8| Vec3x8::new(all(&v.x), all(&v.y), all(&v.z));
+        let slab = |s: &SlabRay<F32x8>| SlabRay { origin: spread(&s.origin), inverse: spread(&s.inverse) };
+        let last = match (rays.axis_bits.0 >> lane & 1, rays.axis_bits.1 >> lane & 1) {
+            (1, _) => 0,
+            (_, 1) => 1,
+            _ => 2,
+        };
+        Self {
+            slab: slab(&rays.slab),
+            dir: spread(&rays.dir),
+            sheared: ShearedRay {
+                slab: slab(&rays.sheared.slab),
+                shear: (all(&rays.sheared.shear.0), all(&rays.sheared.shear.1)),
+                dz: all(&rays.sheared.dz),
+            },
+            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][last],
+            t_min: all(&rays.t_min),
+            octant: rays.octant(lane),
+            admits: rays.admits,
+        }
+    }
+}

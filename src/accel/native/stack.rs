@@ -1,0 +1,51 @@
+//! What is still to be visited.
+
+use super::bvh8::Child;
+
+/// Entries that the deepest tree a builder may make can fill: seven a level, and one.
+pub(super) const STACK_SIZE: usize = 512;
+
+/// Something to visit, unless a hit nearer than its box has been found meanwhile.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    /// Where the box is entered; of eight rays, no later than by the first of them.
+    pub enter: f32,
+    /// What is in it.
+    pub child: Child,
+    /// Of eight rays, those that meet the box.
+    pub lanes: u8,
+}
+
+/// A stack of fixed size, kept between rays so that tracing allocates nothing.
+#[derive(Debug)]
+pub struct Stack {
+    entries: Box<[Entry; STACK_SIZE]>,
+}
+
+impl Default for Stack {
+    fn default() -> Self {
+        Self { entries: Box::new([Entry { enter: 0.0, child: Child::NONE, lanes: 0 }; STACK_SIZE]) }
+    }
+}
+
+impl Stack {
+    /// The entries, for a traversal that keeps its own top.
+    #[inline(always)]
+    pub(super) fn entries(&mut self) -> &mut [Entry; STACK_SIZE] {
+        &mut self.entries
+    }
+}
+
+/// Sorts what a node has just pushed so that the nearest comes off first. Only speed rests on the order.
+#[inline(always)]
+pub(super) fn nearest_last(pushed: &mut [Entry]) {
+    for i in 1..pushed.len() {
+        let entry = pushed[i];
+        let mut k = i;
+        while k > 0 && pushed[k - 1].enter < entry.enter {
+            pushed[k] = pushed[k - 1];
+            k -= 1;
+        }
+        pushed[k] = entry;
+    }
+}

@@ -1,0 +1,108 @@
+//! One ray at a time, against eight boxes and eight primitives at once.
+
+use super::bvh8::{Bvh8, Child};
+use super::leaf::{Best, Leaf};
+use super::rays::One;
+use super::stack::{Entry, Stack, nearest_last};
+use crate::simd::F32x8;
+
+/// The nearest hit of `ray` in what lies below `from`, taken into `best`.
+#[inline(never)]
+pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mut Best, stack: &mut Stack) {
+    walk(tree, from, ray, best.t, stack, |leaf, t| {
+        leaf.closest_one(ray, best);
+        *t = best.t;
+        false
+    });
+}
+
+/// Whether `ray` meets anything below `from` at or before `t_max`.
+#[inline(never)]
+pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, t_max: f32, stack: &mut Stack) -> bool {
+    walk(tree, from, ray, t_max, stack, |leaf, t| leaf.occluded_one(ray, *t))
+}
+
+/// Visits leaves, near ones first, until `visit` says that it is enough; it may lower the limit. Whether it did.
+#[inline(always)]
+fn walk<L: Leaf>(
+    tree: &Bvh8<L>,
+    from: Child,
+    ray: &One,
+    mut t_max: f32,
+    stack: &mut Stack,
+    mut visit: impl FnMut(&L, &mut f32) -> bool,
+) -> bool {
+    let stack = stack.entries();
+    let mut top = 0;
+    let mut here = from;
+    if here == Child::NONE {
+        return false;
+    }
+    let mut limit = F32x8::from(t_max);
+    loop {
+        let mut dead_end = false;
+        while !here.is_leaf() {
+            let node = &tree.nodes[here.index()];
+            let (met, enter) = node.meet_one(ray, limit);
+            let mut left = met;
+            if left == 0 {
+                dead_end = true;
+                break;
+            }
+            let first = next(&mut left);
+            here = node.children[first];
+            if left == 0 {
+                continue;
+            }
+            let enter = enter.as_array();
+            let second = next(&mut left);
+            let mut a = Entry { enter: enter[first], child: here, lanes: 0 };
+            let mut b = Entry { enter: enter[second], child: node.children[second], lanes: 0 };
+            if left == 0 {
+                if b.enter < a.enter {
+                    std::mem::swap(&mut a, &mut b);
+                }
+                stack[top] = b;
+                top += 1;
+                here = a.child;
+                continue;
+            }
+            let base = top;
+            stack[top] = a;
+            stack[top + 1] = b;
+            top += 2;
+            while left != 0 {
+                let i = next(&mut left);
+                stack[top] = Entry { enter: enter[i], child: node.children[i], lanes: 0 };
+                top += 1;
+            }
+            nearest_last(&mut stack[base..top]);
+            top -= 1;
+            here = stack[top].child;
+        }
+        if !dead_end {
+            if visit(&tree.leaves[here.index()], &mut t_max) {
+                return true;
+            }
+            limit = F32x8::from(t_max);
+        }
+        loop {
+            if top == 0 {
+                return false;
+            }
+            top -= 1;
+            if stack[top].enter <= t_max {
+                here = stack[top].child;
+                break;
+            }
+        }
+    }
+}
+
+/// Takes the lowest set bit out.
+#[inline(always)]
+fn next(bits: &mut u8) -> usize {
+    let i = bits.trailing_zeros() as usize & 7;
+    *bits &= *bits - 1;
+    i
+}

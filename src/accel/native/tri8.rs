@@ -1,0 +1,185 @@
+//! Leaves of triangles: eight of them for one ray, or each of them for eight rays.
+
+use super::leaf::{Best, Best8, Leaf, Tags};
+use super::rays::{Eight, One};
+use crate::geometry::triangle::{Edges, ShearedRay, Solution};
+use crate::math::{LaneMask, Real};
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// Up to eight triangles in structure-of-arrays; empty slots hold NaN, which nothing meets.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Tri8 {
+    /// Positions, by corner and axis.
+    corners: [[F32x8; 3]; 3],
+    tags: Tags,
+}
+
+const _: () = assert!(size_of::<Tri8>() == 384);
+
+/// Hits of some lanes.
+struct Met {
+    lanes: Mask8,
+    t: F32x8,
+    u: F32x8,
+    v: F32x8,
+}
+
+/// The eight-lane form of [`crate::geometry::triangle::intersect`], for lanes of `admitted`; the rays' intervals are
+/// `t_min` and `t_max`.
+#[inline(always)]
+fn intersect(
+    ray: &ShearedRay<F32x8>,
+    corners: &[Vec3x8; 3],
+    t_min: F32x8,
+    t_max: F32x8,
+    admitted: impl FnOnce() -> u8,
+) -> Option<Met> {
+    let edges = ray.edges(corners);
+    let may_hit = edges.may_hit().bits();
+    if may_hit == 0 {
+        return None;
+    }
+    let candidates = may_hit & admitted();
+    if candidates == 0 {
+        return None;
+    }
+    let mut solved = edges.solve(ray);
+    let mut lanes = candidates;
+    let doubtful = solved.doubtful.bits() & candidates;
+    if doubtful != 0 {
+        lanes &= !settle(&edges, &mut solved, ray, doubtful);
+    }
+    let (t, crossed) = ray.limit(corners, solved.t);
+    let lanes = Mask8::from_bits(lanes) & crossed & t_min.lt(t) & t.le(t_max);
+    lanes.any().then_some(Met { lanes, t, u: solved.u, v: solved.v })
+}
+
+/// Replaces the solutions of doubtful lanes by exact ones; which of them are misses after all.
+#[cold]
+#[inline(never)]
+fn settle(edges: &Edges<F32x8>, solved: &mut Solution<F32x8>, ray: &ShearedRay<F32x8>, mut doubtful: u8) -> u8 {
+    let mut missed = 0;
+    while doubtful != 0 {
+        let i = doubtful.trailing_zeros() as usize & 7;
+        doubtful &= doubtful - 1;
+        match edges.map(|x| x.lane(i)).exact(ray.dz.lane(i)) {
+            Some((t, u, v)) => {
+                solved.t.set_lane(i, t);
+                solved.u.set_lane(i, u);
+                solved.v.set_lane(i, v);
+            }
+            None => missed |= 1 << i,
+        }
+    }
+    missed
+}
+
+impl Tri8 {
+    /// From at most eight triangles: corners, geometry, primitive, mask.
+    pub fn new(triangles: &[([glam::Vec3; 3], u32, u32, u8)]) -> Self {
+        let mut corners = [[F32x8::from(f32::NAN); 3]; 3];
+        for (i, (points, ..)) in triangles.iter().enumerate() {
+            for (corner, point) in corners.iter_mut().zip(points) {
+                for (axis, x) in corner.iter_mut().zip(point.to_array()) {
+                    axis.set_lane(i, x);
+                }
+            }
+        }
+        Self {
+            corners,
+            tags: Tags::new(triangles.iter().map(|&(_, geometry, primitive, mask)| (geometry, primitive, mask))),
+        }
+    }
+
+    /// Every bit of it.
+    pub fn words(&self) -> impl Iterator<Item = u32> {
+        self.corners.iter().flatten().flat_map(|x| x.to_array()).map(f32::to_bits).chain(self.tags.words())
+    }
+
+    /// The corners of the triangle in slot `i`.
+    pub fn triangle(&self, i: usize) -> [glam::Vec3; 3] {
+        self.corners.map(|c| glam::Vec3::new(c[0].lane(i), c[1].lane(i), c[2].lane(i)))
+    }
+
+    #[inline(always)]
+    fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met> {
+        let [x, y, z] = ray.axes;
+        let corners = self.corners.map(|c| Vec3x8::new(c[x], c[y], c[z]));
+        intersect(&ray.sheared, &corners, ray.t_min, F32x8::from(t_max), || self.tags.admitted(ray.admits))
+    }
+
+    /// Calls `found` with the hits of `lanes` with each triangle that the rays look for.
+    #[inline(always)]
+    fn meet_eight(
+        &self,
+        rays: &Eight,
+        lanes: u8,
+        mut found: impl FnMut(usize, F32x8, Option<Met>) -> F32x8,
+        t_max: F32x8,
+    ) {
+        let mut t_max = t_max;
+        let mut slots = self.tags.admitted(rays.admits);
+        let common = rays.common_axis(lanes);
+        while slots != 0 {
+            let i = slots.trailing_zeros() as usize & 7;
+            slots &= slots - 1;
+            let corners = match common {
+                Some(last) => {
+                    let [x, y, z] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][last];
+                    let splat = |x: &F32x8| F32x8::from(x.lane(i));
+                    [0, 1, 2].map(|k| {
+                        Vec3x8::new(splat(&self.corners[k][x]), splat(&self.corners[k][y]), splat(&self.corners[k][z]))
+                    })
+                }
+                None => self.triangle(i).map(|p| rays.axis.turn(Vec3x8::splat(p))),
+            };
+            let met = intersect(&rays.sheared, &corners, rays.t_min, t_max, || lanes);
+            t_max = found(i, t_max, met);
+        }
+    }
+}
+
+impl Leaf for Tri8 {
+    #[inline(always)]
+    fn closest_one(&self, ray: &One, best: &mut Best) {
+        if let Some(met) = self.meet_one(ray, best.t) {
+            best.take(met.lanes.bits(), met.t, met.u, met.v, &self.tags);
+        }
+    }
+
+    #[inline(always)]
+    fn occluded_one(&self, ray: &One, t_max: f32) -> bool {
+        self.meet_one(ray, t_max).is_some()
+    }
+
+    #[inline(always)]
+    fn closest_eight(&self, rays: &Eight, lanes: u8, best: &mut Best8) {
+        let t_max = best.t;
+        let tags = &self.tags;
+        let found = |i: usize, _, met: Option<Met>| {
+            if let Some(met) = met {
+                best.take(met.lanes, met.t, met.u, met.v, tags.geometry[i], tags.primitive[i]);
+            }
+            best.t
+        };
+        self.meet_eight(rays, lanes, found, t_max);
+    }
+
+    #[inline(always)]
+    fn occluded_eight(&self, rays: &Eight, lanes: u8, t_max: F32x8) -> u8 {
+        let mut blocked = 0;
+        let found = |_, t_max, met: Option<Met>| {
+            if let Some(met) = met {
+                blocked |= met.lanes.bits();
+            }
+            t_max
+        };
+        self.meet_eight(rays, lanes, found, t_max);
+        blocked
+    }
+
+    fn ids(&self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.tags.count()).map(|i| (self.tags.geometry[i], self.tags.primitive[i]))
+    }
+}
