@@ -82,6 +82,7 @@ pub fn shade_base(
             weight: sent,
             pixel: &surface.pixel,
             stack: &surface.stack,
+            lead: surface.lead(dir),
             passes: &[0; 8],
         };
         shadows.push8(lanes & !dark.bits(), &new);

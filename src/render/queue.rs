@@ -19,13 +19,21 @@ pub struct State8 {
     pub pixel: [u32; 8],
     /// The media around the ray.
     pub stack: [StackId; 8],
+    /// How far the ray's start lies from the surface it leaves, along the ray: absorption counts from the surface.
+    pub lead: F32x8,
     /// How many surfaces in a row it has passed that were not there.
     pub passes: [u16; 8],
 }
 
 impl Default for State8 {
     fn default() -> Self {
-        Self { weight: Vec3x8::splat(Vec3::ZERO), pixel: [0; 8], stack: [StackId::default(); 8], passes: [0; 8] }
+        Self {
+            weight: Vec3x8::splat(Vec3::ZERO),
+            pixel: [0; 8],
+            stack: [StackId::default(); 8],
+            lead: F32x8::ZERO,
+            passes: [0; 8],
+        }
     }
 }
 
@@ -57,6 +65,8 @@ pub struct Spawn8<'a> {
     pub pixel: &'a [u32; 8],
     /// The media around them.
     pub stack: &'a [StackId; 8],
+    /// Distances along the rays from the surfaces they leave to their starts.
+    pub lead: F32x8,
     /// Surfaces passed that were not there.
     pub passes: &'a [u16; 8],
 }
@@ -102,6 +112,7 @@ impl Queue {
             state.weight.z.set_lane(slot, new.weight.z.lane(lane));
             state.pixel[slot] = new.pixel[lane];
             state.stack[slot] = new.stack[lane];
+            state.lead.set_lane(slot, new.lead.lane(lane));
             state.passes[slot] = new.passes[lane];
         }
     }

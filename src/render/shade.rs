@@ -189,6 +189,7 @@ impl<I: Intersector> Worker<'_, I> {
                 weight,
                 pixel: &surface.pixel,
                 stack: &beyond,
+                lead: surface.lead(dir),
                 passes: &[0; 8],
             };
             self.spawn(refracting, &new, RayKind::Transmitted, depth);
@@ -224,14 +225,16 @@ impl<I: Intersector> Worker<'_, I> {
     }
 
     fn reflected(&mut self, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
+        let dir = dir.normalized();
         let new = Spawn8 {
             origin: surface.above(),
-            dir: dir.normalized(),
+            dir,
             t_max: F32x8::INFINITY,
             admits: GeometryMask::ALL,
             weight,
             pixel: &surface.pixel,
             stack: &surface.stack,
+            lead: surface.lead(dir),
             passes: &[0; 8],
         };
         self.spawn(lanes, &new, RayKind::Reflected, depth);
@@ -246,6 +249,7 @@ impl<I: Intersector> Worker<'_, I> {
             weight,
             pixel: &surface.pixel,
             stack: &surface.stack,
+            lead: surface.lead(surface.incident),
             passes: &[0; 8],
         };
         self.spawn(lanes, &new, RayKind::Transmitted, depth);
@@ -264,6 +268,7 @@ impl<I: Intersector> Worker<'_, I> {
             weight: surface.weight,
             pixel: &surface.pixel,
             stack: beyond,
+            lead: surface.lead(surface.incident),
             passes: &passes,
         };
         self.queue(RayKind::Transmitted, depth).push8(lanes & !spent, &new);

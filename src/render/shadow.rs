@@ -90,7 +90,7 @@ impl<I: Intersector> Worker<'_, I> {
     /// The last stretch, to the light itself.
     fn finish(&self, chunk: &mut Chunk, packet: usize, lanes: u8) {
         let state = &mut chunk.states[packet];
-        let t = chunk.rays[packet].t_max;
+        let t = chunk.rays[packet].t_max + state.lead;
         if let Some(left) = self.absorbed(lanes, &state.stack, t) {
             state.weight = state.weight.times(left);
         }
@@ -100,23 +100,27 @@ impl<I: Intersector> Worker<'_, I> {
     fn pass_through<F: FresnelFormula>(&mut self, chunk: &mut Chunk, hits: &[Hit8], refs: &[HitRef]) {
         let surface = Surface8::gather(self.scene, chunk, hits, refs);
         let t = F32x8::from_fn(|k| surface.hit[k].t);
+        let lead =
+            F32x8::from_fn(|k| refs.get(k).map_or(0.0, |&r| chunk.states[r as usize >> 3].lead.lane(r as usize & 7)));
         let mut weight = surface.weight;
-        if let Some(left) = self.absorbed(surface.active, &surface.stack, t) {
+        if let Some(left) = self.absorbed(surface.active, &surface.stack, t + lead) {
             weight = weight.times(left);
         }
         let mut beyond = surface.stack;
         let passed = self.passed::<F>(&surface, &mut beyond);
         weight = weight.times(passed);
         let origin = surface.below();
+        let lead = surface.lead(surface.incident);
         for (k, &r) in refs.iter().enumerate() {
             let (packet, lane) = (r as usize >> 3, r as usize & 7);
             let ray = &mut chunk.rays[packet];
             let state = &mut chunk.states[packet];
-            let rest = ray.t_max.lane(lane) - t.lane(k);
+            let rest = ray.t_max.lane(lane) - t.lane(k) - lead.lane(k);
             ray.origin.set_lane(lane, origin.lane(k));
             ray.t_max.set_lane(lane, rest);
             state.weight.set_lane(lane, weight.lane(k));
             state.stack[lane] = beyond[k];
+            state.lead.set_lane(lane, lead.lane(k));
             if weight.lane(k) == Vec3::ZERO {
                 ray.active &= !(1 << lane);
             }

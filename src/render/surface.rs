@@ -113,6 +113,13 @@ impl Surface8 {
         self.normal.fma(-self.reach, self.point)
     }
 
+    /// How far along `dir` a ray's start lies from the surface, on either side.
+    #[inline]
+    #[must_use]
+    pub fn lead(&self, dir: Vec3x8) -> F32x8 {
+        self.reach * dir.dot(self.normal).abs()
+    }
+
     /// Texture coordinates of lane `k`; the middle of the picture where the mesh has none. A sphere's run once
     /// around +y from -z (u) and from bottom to top (v).
     #[must_use]

@@ -134,6 +134,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 weight: Vec3x8::splat(Vec3::ONE),
                 pixel: std::array::from_fn(|k| at(k).unwrap_or(0)),
                 stack: [self.eye_stack; 8],
+                lead: F32x8::ZERO,
                 passes: [0; 8],
             });
         }
@@ -195,8 +196,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.misses.clear();
         self.bins.iter_mut().for_each(Vec::clear);
         for (packet, (ray, hit)) in chunk.rays.iter().zip(hits).enumerate() {
-            if let Some(left) = self.absorbed(ray.active, &chunk.states[packet].stack, hit.t) {
-                chunk.states[packet].weight = chunk.states[packet].weight.times(left);
+            let state = &mut chunk.states[packet];
+            if let Some(left) = self.absorbed(ray.active, &state.stack, hit.t + state.lead) {
+                state.weight = state.weight.times(left);
             }
             for lane in set_lanes(ray.active) {
                 let place = (packet * 8 + lane) as HitRef;

@@ -59,6 +59,12 @@ impl Default for Material {
 }
 
 impl Material {
+    /// A surface that sends nothing at all, to be given an interface or an emission.
+    #[must_use]
+    pub fn black(name: &str) -> Self {
+        Self { name: name.into(), diffuse: Colour::Constant(Rgb::ZERO), ..Self::default() }
+    }
+
     /// Whether light passes through it: what shadow rays are marched over.
     #[must_use]
     pub fn is_transmissive(&self) -> bool {

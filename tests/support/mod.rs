@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test uses its own part")]
 
 pub mod contract;
+pub mod scenes;
 pub mod shapes;
 
 /// Numbers without an end, the same in every run (PCG-XSH-RR, O'Neill 2014).
