@@ -34,6 +34,7 @@ pub mod accel;
 pub mod error;
 pub mod geometry;
 pub mod image;
+pub mod load;
 pub mod math;
 pub mod optics;
 pub mod render;

@@ -1,0 +1,68 @@
+//! `[camera]` and `[render]`.
+
+use super::table::{Table, Value};
+use crate::load::LoadOptions;
+use crate::scene::{Camera, Projection, Settings, ShadowRule};
+use crate::{Error, Result};
+
+/// How near to parallel `up` and the view may be: the sine of the angle between them.
+const LEAST_SINE: f64 = 1e-4;
+
+/// Reads `[camera]`; `medium` finds the medium of a material's name.
+pub(super) fn camera(table: &Table<'_>, medium: impl FnOnce(&Value<'_>) -> Result<u32>) -> Result<Camera> {
+    let default = Camera::default();
+    let eye = table.or("eye", default.eye, Value::point)?;
+    let target = table.or("target", default.target, Value::point)?;
+    let up = table.or("up", default.up, |v| v.direction().map(|d| d.as_vec3()))?;
+    let orthographic = table.or("projection", false, |v| v.choice(&[("pinhole", false), ("orthographic", true)]))?;
+    let projection = if orthographic {
+        Projection::Orthographic { height: table.or("height", 2.0, Value::positive)? as f32 }
+    } else {
+        let fits = |x: f64| (x as f32) > 0.0 && (x as f32) < 180.0;
+        Projection::Pinhole {
+            vfov: table.or("fov", 40.0, |v| v.number_where("above 0 and below 180 degrees", fits))? as f32,
+        }
+    };
+    let camera = Camera { eye, target, up, projection, medium: table.opt("medium", medium)? };
+    table.finish()?;
+
+    let at = |key: &'static str, message: String| match table.get(key) {
+        Some(value) => value.error(message),
+        None => table.error(message),
+    };
+    let view = target.as_dvec3() - eye.as_dvec3();
+    if view.length() <= f64::from(f32::EPSILON) * f64::from(eye.abs().max_element()) {
+        return Err(at("target", format!("the camera's eye and target are the same point, {eye}")));
+    }
+    if view.normalize().cross(up.as_dvec3()).length() < LEAST_SINE {
+        return Err(at(
+            "up",
+            format!("the camera's up, {up}, is parallel to its view, {}; choose another", view.normalize().as_vec3()),
+        ));
+    }
+    Ok(camera)
+}
+
+/// Reads `[render]`.
+pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Settings> {
+    let default = Settings::default();
+    let settings = Settings {
+        width: table.or("width", default.width, |v| v.whole(1..=u32::MAX))?,
+        height: table.or("height", default.height, |v| v.whole(1..=u32::MAX))?,
+        samples: table.or("samples", default.samples, |v| v.whole(1..=256))?,
+        max_depth: table.or("depth", default.max_depth, |v| v.whole(0..=10_000))?,
+        cutoff: table
+            .or("cutoff", f64::from(default.cutoff), |v| v.number_where("from 0 to 1", |x| (0.0..=1.0).contains(&x)))?
+            as f32,
+        shadows: table.or("shadows", default.shadows, |v| {
+            v.choice(&[("straight", ShadowRule::Straight), ("opaque", ShadowRule::Opaque)])
+        })?,
+    };
+    table.finish()?;
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    if pixels > options.limits.film_pixels {
+        let place = table.source.error(&table.span, format!("{} by {} pixels", settings.width, settings.height));
+        return Err(Error::Limit(format!("{place} are more than the {} allowed", options.limits.film_pixels)));
+    }
+    Ok(settings)
+}

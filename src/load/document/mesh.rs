@@ -1,0 +1,242 @@
+//! `[[mesh]]`.
+
+use glam::{DMat4, DVec3, Vec3};
+
+use super::table::{Table, Value};
+use super::{Names, Reader};
+use crate::Result;
+use crate::geometry::{Plane, Shape, Sphere, TriMesh};
+use crate::load::assembly::Assembly;
+use crate::load::obj;
+use crate::load::shapes::{self, Wave};
+use crate::load::transform::{Transform, facing, flip};
+use crate::scene::Origin;
+
+/// The finest tessellation: beyond it a shape has more triangles than a scene may.
+const FINEST: u32 = 16_384;
+/// Bend up to which a lathe's profile is shaded smoothly, in degrees, where nothing else is said.
+const LATHE_CREASE: f64 = 50.0;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Sphere,
+    Plane,
+    Box,
+    Disc,
+    Torus,
+    Lathe,
+    Heightfield,
+    Grid,
+}
+
+const KINDS: [(&str, Kind); 8] = [
+    ("sphere", Kind::Sphere),
+    ("plane", Kind::Plane),
+    ("box", Kind::Box),
+    ("disc", Kind::Disc),
+    ("torus", Kind::Torus),
+    ("lathe", Kind::Lathe),
+    ("heightfield", Kind::Heightfield),
+    ("grid", Kind::Grid),
+];
+
+/// Reads the `i`th mesh into the scene.
+pub(super) fn mesh<'d>(
+    reader: &Reader<'d>,
+    table: &Table<'d>,
+    i: usize,
+    names: &Names,
+    assembly: &mut Assembly<'_>,
+) -> Result<()> {
+    let given = table.opt("name", |v| v.text().map(str::to_owned))?;
+    let transform = table.opt("transform", |v| transform(v, given.as_deref(), i))?.unwrap_or(Transform::IDENTITY);
+    let flipped = table.or("flip", false, Value::boolean)?;
+    let place = table.get("transform").map_or(table.span.clone(), |v| v.span());
+    match (table.get("file"), table.get("shape")) {
+        (Some(file), None) => {
+            let path = reader.path(&file, assembly)?;
+            let name = given
+                .unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()));
+            let wrong = |e: String| reader.source.error(&place, format!("the transform of `{name}` {e}"));
+            let request = obj::Request {
+                name: name.clone(),
+                material: table.opt("material", |v| names.material(v))?,
+                smooth: table.opt("smooth", |v| {
+                    v.number_where("an angle above 0 and up to 180 degrees", |x| x > 0.0 && x <= 180.0)
+                })?,
+                flip: flipped,
+                transform,
+                wrong_transform: &wrong,
+            };
+            table.finish()?;
+            obj::load(&path, &request, assembly)
+        }
+        (None, Some(value)) => {
+            let kind = value.choice(&KINDS)?;
+            let name = given.unwrap_or_else(|| format!("{} {}", value.text().unwrap_or_default(), i + 1));
+            let material = names.material(&table.need("material")?)?;
+            let wrong = |e: String| reader.source.error(&place, format!("the transform of `{name}` {e}"));
+            let mut shape = shape(kind, table, assembly, &name)?;
+            table.finish()?;
+            match &mut shape {
+                Shape::Mesh(mesh) => {
+                    transform.mesh(mesh).map_err(wrong)?;
+                    if flipped {
+                        flip(mesh);
+                    }
+                }
+                Shape::Sphere(sphere) => {
+                    if flipped {
+                        return Err(table.error(format!(
+                            "`{name}` is an exact sphere, whose outside is fixed; give it a tessellation to flip it"
+                        )));
+                    }
+                    *sphere = transform.sphere(sphere).map_err(wrong)?;
+                }
+                Shape::Plane(plane) => {
+                    *plane = transform.plane(plane).map_err(wrong)?;
+                    if flipped {
+                        plane.normal = -plane.normal;
+                    }
+                }
+            }
+            let file = reader.source.file.display().to_string();
+            let line = reader.source.line(table.span.start) as u32;
+            assembly.add(name, shape, material, Origin { file, line, triangle_lines: Vec::new() })
+        }
+        (Some(_), Some(value)) => Err(value.error("a mesh has either a `file` or a `shape`, not both")),
+        (None, None) => Err(table.error("[[mesh]] needs a `file` or a `shape`")),
+    }
+}
+
+/// `{ scale, rotate, translate }` or `{ matrix }`.
+fn transform(value: &Value<'_>, name: Option<&str>, i: usize) -> Result<Transform> {
+    let table = value.table("transform")?;
+    let made = if let Some(matrix) = table.get("matrix") {
+        let rows = matrix.numbers::<16>()?;
+        Transform::new(DMat4::from_cols_array(&rows).transpose())
+    } else {
+        let scale = table.or("scale", DVec3::ONE, Value::one_or_three)?;
+        let rotate = table.or("rotate", DVec3::ZERO, Value::triple)?;
+        let translate = table.or("translate", DVec3::ZERO, Value::triple)?;
+        Transform::from_parts(scale, rotate, translate)
+    };
+    table.finish()?;
+    let name = name.map_or_else(|| format!("mesh {}", i + 1), |n| format!("`{n}`"));
+    made.map_err(|e| value.error(format!("the transform of {name} {e}")))
+}
+
+/// The shape before its transform.
+fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str) -> Result<Shape> {
+    let fail = |e: String| table.error(format!("`{name}`: {e}"));
+    let mut steps = |default: Option<u32>, triangles: fn(u64) -> u64| -> Result<Option<u32>> {
+        let steps = table.opt("tessellation", |v| v.whole(1..=FINEST))?.or(default);
+        if let Some(n) = steps {
+            assembly.take_triangles(triangles(u64::from(n)))?;
+        }
+        Ok(steps)
+    };
+    let centre = || table.or("center", Vec3::ZERO, Value::point);
+    let radius = || table.or("radius", 1.0, Value::positive);
+    let place =
+        |mesh: &mut TriMesh, t: std::result::Result<Transform, String>| t.and_then(|t| t.mesh(mesh)).map_err(fail);
+    let flat = |mesh: &mut TriMesh| -> Result<()> {
+        if !table.or("smooth", true, Value::boolean)? {
+            shapes::make_flat(mesh);
+        }
+        Ok(())
+    };
+    let mesh = match kind {
+        Kind::Sphere => {
+            let (centre, radius) = (centre()?, radius()?);
+            let Some(n) = steps(None, |n| 4 * n * n)? else {
+                return Ok(Shape::Sphere(Sphere { centre, radius: radius as f32 }));
+            };
+            let mut mesh = shapes::sphere(n);
+            flat(&mut mesh)?;
+            place(&mut mesh, Transform::from_parts(DVec3::splat(radius), DVec3::ZERO, centre.as_dvec3()))?;
+            mesh
+        }
+        Kind::Plane => {
+            let point = table.or("point", Vec3::ZERO, Value::point)?;
+            let normal = table.or("normal", DVec3::Y, Value::direction)?.as_vec3();
+            return Ok(Shape::Plane(Plane { point, normal }));
+        }
+        Kind::Box => {
+            let n = steps(Some(1), |n| 12 * n * n)?.unwrap_or(1);
+            let mut mesh = shapes::cuboid(n);
+            let size = table.or("size", DVec3::ONE, Value::extent)?;
+            place(&mut mesh, Transform::from_parts(size, DVec3::ZERO, centre()?.as_dvec3()))?;
+            mesh
+        }
+        Kind::Disc => {
+            let n = steps(Some(64), |n| n)?.unwrap_or(64);
+            let mut mesh = shapes::disc(n);
+            let normal = table.or("normal", DVec3::Y, Value::direction)?;
+            place(&mut mesh, facing(normal, radius()?, centre()?))?;
+            mesh
+        }
+        Kind::Torus => {
+            let major = table.or("major", 1.0, Value::positive)?;
+            let minor = table.or("minor", 0.25, Value::positive)?;
+            if minor as f32 >= major as f32 {
+                return Err(table.error(format!("`{name}`: `minor` is {minor}; it must be below `major`, {major}")));
+            }
+            let n = steps(Some(64), |n| n * n.max(6))?.unwrap_or(64);
+            let mut mesh = shapes::torus(major, minor, n);
+            flat(&mut mesh)?;
+            mesh
+        }
+        Kind::Lathe => {
+            let value = table.need("profile")?;
+            let profile = value.list()?.iter().map(Value::numbers::<2>).collect::<Result<Vec<_>>>()?;
+            let crease = table.or("smooth", LATHE_CREASE, |v| {
+                if v.is_boolean() {
+                    Ok(if v.boolean()? { LATHE_CREASE } else { 0.0 })
+                } else {
+                    v.number_where("true, false or an angle from 0 to 180 degrees", |x| (0.0..=180.0).contains(&x))
+                }
+            })?;
+            let n = steps(Some(64), |n| 2 * n)?.unwrap_or(64);
+            assembly.take_triangles((2 * u64::from(n)).saturating_mul(profile.len() as u64))?;
+            shapes::lathe(&profile, n, crease).map_err(|e| value.error(e))?
+        }
+        Kind::Heightfield => {
+            let size = table.need("size")?;
+            let extent = size.numbers::<2>()?;
+            if extent.iter().any(|&e| e as f32 <= 0.0) {
+                return Err(size.error(format!("`size` is {extent:?}; it must be above 0")));
+            }
+            let waves = table.or("waves", Vec::new(), |v| v.list()?.iter().map(wave).collect())?;
+            let level = table.or("level", 0.0, Value::number)?;
+            let depth = table.opt("depth", Value::positive)?;
+            let n = steps(Some(64), |n| 2 * n * n + 12 * n)?.unwrap_or(64);
+            let mut mesh = shapes::heightfield(extent, &waves, level, depth, n).map_err(fail)?;
+            flat(&mut mesh)?;
+            mesh
+        }
+        Kind::Grid => {
+            let size = table.or("size", [1.0; 2], Value::numbers::<2>)?;
+            if size.iter().any(|&e| e as f32 <= 0.0) {
+                return Err(table.error(format!("`{name}`: `size` is {size:?}; it must be above 0")));
+            }
+            let n = steps(Some(1), |n| 2 * n * n)?.unwrap_or(1);
+            let mut mesh = shapes::grid(n);
+            place(&mut mesh, Transform::from_parts(DVec3::new(size[0], 1.0, size[1]), DVec3::ZERO, DVec3::ZERO))?;
+            mesh
+        }
+    };
+    Ok(Shape::Mesh(mesh))
+}
+
+fn wave(value: &Value<'_>) -> Result<Wave> {
+    let table = value.table("a wave")?;
+    let wave = Wave {
+        amplitude: table.need("amplitude")?.not_negative()?,
+        wavelength: table.need("wavelength")?.positive()?,
+        direction: table.or("direction", 0.0, Value::number)?,
+        phase: table.or("phase", 0.0, Value::number)?,
+    };
+    table.finish()?;
+    Ok(wave)
+}

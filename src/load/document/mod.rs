@@ -1,0 +1,122 @@
+//! Scene files.
+
+mod camera;
+mod environment;
+mod light;
+mod material;
+mod mesh;
+mod table;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use self::table::{Source, Table, Value};
+use super::assembly::Assembly;
+use super::source::{folder_of, read_text};
+use super::suggest::hint;
+use super::{LoadOptions, Loaded};
+use crate::scene::Interface;
+use crate::{Error, Result};
+
+/// Reads a scene file.
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
+    let text = read_text(path, options.limits.file_bytes)?;
+    let source = Source::new(path, &text);
+    let tree = DeTable::parse(&text).map_err(|e| {
+        let message = e.message().lines().collect::<Vec<_>>().join("; ");
+        source.error(&e.span().unwrap_or(0..0), message)
+    })?;
+    let top = Table::new(&source, "a scene", tree.get_ref(), 0..0);
+    let mut assembly = Assembly::new(path, options)?;
+    let reader = Reader { source: &source };
+
+    let names = reader.materials(&top, &mut assembly)?;
+    let camera = top.table("camera")?;
+    match &camera {
+        Some(table) => assembly.scene.camera = camera::camera(table, |v| names.medium(v, &assembly))?,
+        None => assembly.reporter.default_used("no [camera]: it stands at 0, 1, 5 and looks at the origin"),
+    }
+    if let Some(table) = top.table("render")? {
+        assembly.scene.settings = camera::settings(&table, options)?;
+    }
+    match top.table("environment")? {
+        Some(table) => environment::environment(&reader, &table, &mut assembly)?,
+        None => assembly.reporter.default_used("no [environment]: everything around is black"),
+    }
+    let lights = top.list("light")?;
+    if lights.len() > options.limits.objects {
+        return Err(Error::Limit(format!("the scene has more than {} lights", options.limits.objects)));
+    }
+    for (i, table) in lights.iter().enumerate() {
+        assembly.scene.lights.push(light::light(table, i)?);
+    }
+    for (i, table) in top.list("mesh")?.iter().enumerate() {
+        mesh::mesh(&reader, table, i, &names, &mut assembly)?;
+    }
+    top.finish()?;
+    if assembly.scene.objects.is_empty() {
+        assembly.reporter.warn(
+            path,
+            0,
+            "the scene has no [[mesh]]: the picture shows only the environment",
+            String::new,
+        )?;
+    }
+    Ok(assembly.finish())
+}
+
+/// What reading the parts of one scene file needs.
+struct Reader<'d> {
+    source: &'d Source<'d>,
+}
+
+impl<'d> Reader<'d> {
+    /// The path of the file that a value names.
+    fn path(&self, value: &Value<'d>, assembly: &Assembly<'_>) -> Result<std::path::PathBuf> {
+        assembly.root.resolve(folder_of(self.source.file), value.text()?).map_err(|e| value.error(e))
+    }
+
+    fn materials(&self, top: &Table<'d>, assembly: &mut Assembly<'_>) -> Result<Names> {
+        let mut names = Names::default();
+        for table in top.list("material")? {
+            let value = table.need("name")?;
+            let name = value.text()?;
+            if name.is_empty() {
+                return Err(value.error("a material's name must not be empty"));
+            }
+            if names.0.contains_key(name) {
+                return Err(value.error(format!("there is a material called `{name}` already")));
+            }
+            let material = material::material(self, &table, name, assembly)?;
+            names.0.insert(name.to_owned(), assembly.add_material(material)?);
+        }
+        Ok(names)
+    }
+}
+
+/// Materials of the scene file by name.
+#[derive(Default)]
+struct Names(HashMap<String, u32>);
+
+impl Names {
+    /// The place of the material that a value names.
+    fn material(&self, value: &Value<'_>) -> Result<u32> {
+        let name = value.text()?;
+        self.0.get(name).copied().ok_or_else(|| {
+            let mut known: Vec<&str> = self.0.keys().map(String::as_str).collect();
+            known.sort_unstable();
+            let short: String = name.chars().take(80).collect();
+            value.error(format!("no material is called `{short}`{}", hint(&short, known)))
+        })
+    }
+
+    /// The place of the medium that the named dielectric encloses.
+    fn medium(&self, value: &Value<'_>, assembly: &Assembly<'_>) -> Result<u32> {
+        match assembly.scene.materials[self.material(value)? as usize].interface {
+            Interface::Dielectric { medium, .. } => Ok(medium),
+            _ => Err(value.error(format!("`{}` is no dielectric: the eye can be inside none but such", value.text()?))),
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! A TOML document read key by key: every value knows its place, every key that nobody asked for is an error.
+//!
+//! Kept by hand on `toml`'s own tree rather than derived: which keys a material or a mesh may have depends on its
+//! `type`, and `serde` loses the place of values inside tagged enums, which is what messages are about.
+
+use std::cell::RefCell;
+use std::fmt::Display;
+use std::ops::Range;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::load::suggest::hint;
+use crate::load::transform::within_limit;
+use crate::{Error, Result};
+
+/// A place in the text, in bytes.
+pub(super) type Span = Range<usize>;
+
+/// A scene file: its name and text, for messages.
+pub(super) struct Source<'d> {
+    pub(super) file: &'d Path,
+    text: &'d str,
+    /// Where each line starts, in bytes.
+    starts: Vec<usize>,
+}
+
+impl<'d> Source<'d> {
+    pub(super) fn new(file: &'d Path, text: &'d str) -> Self {
+        let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        Self { file, text, starts }
+    }
+
+    /// The line of a byte, from 1.
+    pub(super) fn line(&self, byte: usize) -> usize {
+        self.starts.partition_point(|&s| s <= byte).max(1)
+    }
+
+    /// Wrong input at a place.
+    pub(super) fn error(&self, span: &Span, message: impl Into<String>) -> Error {
+        let line = self.line(span.start);
+        let before = self.text.get(self.starts[line - 1]..span.start);
+        let column = before.map(|b| b.chars().count() + 1);
+        Error::Input { file: self.file.to_owned(), line, column, message: message.into() }
+    }
+}
+
+/// A table of the document.
+pub(super) struct Table<'d> {
+    pub(super) source: &'d Source<'d>,
+    /// What messages call it: `[camera]`.
+    pub(super) what: String,
+    pub(super) span: Span,
+    entries: &'d DeTable<'d>,
+    /// Keys asked for so far: all that may be there.
+    asked: RefCell<Vec<&'static str>>,
+}
+
+impl<'d> Table<'d> {
+    pub(super) fn new(source: &'d Source<'d>, what: impl Into<String>, table: &'d DeTable<'d>, span: Span) -> Self {
+        Self { source, what: what.into(), span, entries: table, asked: RefCell::default() }
+    }
+
+    /// The value of a key, if it is there.
+    pub(super) fn get(&self, key: &'static str) -> Option<Value<'d>> {
+        self.asked.borrow_mut().push(key);
+        let (name, value) = self.entries.iter().find(|(k, _)| k.get_ref() == key)?;
+        Some(Value { source: self.source, key: name.get_ref().to_string(), value })
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn need(&self, key: &'static str) -> Result<Value<'d>> {
+        self.get(key).ok_or_else(|| self.error(format!("{} needs `{key}`", self.what)))
+    }
+
+    /// What `read` makes of a key's value, if it is there.
+    pub(super) fn opt<T>(&self, key: &'static str, read: impl FnOnce(&Value<'d>) -> Result<T>) -> Result<Option<T>> {
+        self.get(key).map(|v| read(&v)).transpose()
+    }
+
+    /// What `read` makes of a key's value, or `default`.
+    pub(super) fn or<T>(&self, key: &'static str, default: T, read: impl FnOnce(&Value<'d>) -> Result<T>) -> Result<T> {
+        Ok(self.opt(key, read)?.unwrap_or(default))
+    }
+
+    /// Wrong input at the table as a whole.
+    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+        self.source.error(&self.span, message)
+    }
+
+    /// An error for the first key that nobody asked for.
+    pub(super) fn finish(&self) -> Result<()> {
+        let asked = self.asked.borrow();
+        let unknown =
+            self.entries.keys().filter(|k| !asked.contains(&k.get_ref().as_ref())).min_by_key(|k| k.span().start);
+        match unknown {
+            None => Ok(()),
+            Some(key) => {
+                let name: String = key.get_ref().chars().take(80).collect();
+                let hint = hint(&name, asked.iter().copied());
+                Err(self.source.error(&key.span(), format!("{} has no key `{name}`{hint}", self.what)))
+            }
+        }
+    }
+
+    /// The tables of a list of them (`[[light]]`), each called by the list's name.
+    pub(super) fn list(&self, key: &'static str) -> Result<Vec<Table<'d>>> {
+        let Some(value) = self.get(key) else { return Ok(Vec::new()) };
+        let DeValue::Array(items) = value.value.get_ref() else {
+            return Err(value.error(format!("`{key}` is a list of tables: write [[{key}]]")));
+        };
+        items
+            .iter()
+            .map(|item| match item.get_ref() {
+                DeValue::Table(t) => Ok(Table::new(self.source, format!("[[{key}]]"), t, item.span())),
+                other => {
+                    let message =
+                        format!("`{key}` is a list of tables: write [[{key}]], not {}", article(other.type_str()));
+                    Err(self.source.error(&item.span(), message))
+                }
+            })
+            .collect()
+    }
+
+    /// A table of its own (`[camera]`), if it is there.
+    pub(super) fn table(&self, key: &'static str) -> Result<Option<Table<'d>>> {
+        self.opt(key, |v| v.table(format!("[{key}]")))
+    }
+}
+
+/// A value of the document.
+pub(super) struct Value<'d> {
+    source: &'d Source<'d>,
+    key: String,
+    value: &'d Spanned<DeValue<'d>>,
+}
+
+impl<'d> Value<'d> {
+    pub(super) fn span(&self) -> Span {
+        self.value.span()
+    }
+
+    /// Wrong input at this value.
+    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+        self.source.error(&self.value.span(), message)
+    }
+
+    /// `key = value` and what it must be.
+    fn must(&self, value: impl Display, what: impl Display) -> Error {
+        self.error(format!("`{}` is {value}; it must be {what}", self.key))
+    }
+
+    fn wrong_type(&self, what: &str) -> Error {
+        self.must(article(self.value.get_ref().type_str()), what)
+    }
+
+    /// A value inside this one.
+    fn inner(&self, value: &'d Spanned<DeValue<'d>>) -> Self {
+        Self { source: self.source, key: self.key.clone(), value }
+    }
+
+    /// A finite number.
+    pub(super) fn number(&self) -> Result<f64> {
+        let number = match self.value.get_ref() {
+            DeValue::Integer(i) => i128::from_str_radix(i.as_str(), i.radix()).ok().map(|i| i as f64),
+            DeValue::Float(f) => f.as_str().parse::<f64>().ok(),
+            _ => return Err(self.wrong_type("a number")),
+        };
+        match number {
+            // Everything ends as f32 sooner or later.
+            Some(x) if x.abs() <= f64::from(f32::MAX) => Ok(x),
+            Some(x) => Err(self.must(x, "a finite number")),
+            None => Err(self.error(format!("`{}` is out of the range of numbers", self.key))),
+        }
+    }
+
+    /// A number that `fits`.
+    pub(super) fn number_where(&self, what: &str, fits: impl FnOnce(f64) -> bool) -> Result<f64> {
+        let x = self.number()?;
+        if fits(x) { Ok(x) } else { Err(self.must(x, what)) }
+    }
+
+    /// A number above 0 that stays above 0 as `f32`.
+    pub(super) fn positive(&self) -> Result<f64> {
+        self.number_where("above 0", |x| x as f32 > 0.0)
+    }
+
+    /// A number of at least 0.
+    pub(super) fn not_negative(&self) -> Result<f64> {
+        self.number_where("at least 0", |x| x >= 0.0)
+    }
+
+    /// A refractive index.
+    pub(super) fn ior(&self) -> Result<f64> {
+        self.number_where("between 0.001 and 1000", |x| (1e-3..=1e3).contains(&x))
+    }
+
+    /// A whole number in a range.
+    pub(super) fn whole(&self, range: std::ops::RangeInclusive<u32>) -> Result<u32> {
+        let (lo, hi) = range.into_inner();
+        let what = format!("a whole number from {lo} to {hi}");
+        let DeValue::Integer(i) = self.value.get_ref() else {
+            return Err(match self.value.get_ref() {
+                DeValue::Float(f) => self.must(f.as_str(), what),
+                _ => self.wrong_type(&what),
+            });
+        };
+        match i128::from_str_radix(i.as_str(), i.radix()) {
+            Ok(x) if x >= i128::from(lo) && x <= i128::from(hi) => Ok(x as u32),
+            _ => Err(self.must(i.as_str(), what)),
+        }
+    }
+
+    /// A whole number with a sign.
+    pub(super) fn signed(&self) -> Result<i32> {
+        let DeValue::Integer(i) = self.value.get_ref() else { return Err(self.wrong_type("a whole number")) };
+        // The lowest one is air's.
+        let range = i32::MIN + 1..=i32::MAX;
+        i32::from_str_radix(i.as_str(), i.radix())
+            .ok()
+            .filter(|i| range.contains(i))
+            .ok_or_else(|| self.must(i.as_str(), format!("from {} to {}", range.start(), range.end())))
+    }
+
+    /// True or false.
+    pub(super) fn boolean(&self) -> Result<bool> {
+        self.value.get_ref().as_bool().ok_or_else(|| self.wrong_type("true or false"))
+    }
+
+    pub(super) fn is_boolean(&self) -> bool {
+        self.value.get_ref().is_bool()
+    }
+
+    /// A text.
+    pub(super) fn text(&self) -> Result<&'d str> {
+        self.value.get_ref().as_str().ok_or_else(|| self.wrong_type("a text in quotes"))
+    }
+
+    /// One of a few words, and what it stands for.
+    pub(super) fn choice<T: Copy>(&self, choices: &[(&'static str, T)]) -> Result<T> {
+        let given = self.text()?;
+        choices.iter().find(|(name, _)| *name == given).map(|&(_, value)| value).ok_or_else(|| {
+            let short: String = given.chars().take(80).collect();
+            self.error(format!("`{}` cannot be \"{short}\"{}", self.key, hint(&short, choices.iter().map(|c| c.0))))
+        })
+    }
+
+    /// The values of a list.
+    pub(super) fn list(&self) -> Result<Vec<Self>> {
+        let DeValue::Array(items) = self.value.get_ref() else { return Err(self.wrong_type("a list")) };
+        Ok(items.iter().map(|i| self.inner(i)).collect())
+    }
+
+    /// A list of so many numbers.
+    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
+        let DeValue::Array(items) = self.value.get_ref() else {
+            return Err(self.wrong_type(&format!("a list of {N} numbers")));
+        };
+        if items.len() != N {
+            return Err(self.must(format!("a list of {}", items.len()), format!("a list of {N} numbers")));
+        }
+        let mut numbers = [0.0; N];
+        for (number, item) in numbers.iter_mut().zip(items) {
+            *number = self.inner(item).number()?;
+        }
+        Ok(numbers)
+    }
+
+    /// Three numbers.
+    pub(super) fn triple(&self) -> Result<DVec3> {
+        self.numbers().map(DVec3::from)
+    }
+
+    /// A place.
+    pub(super) fn point(&self) -> Result<Vec3> {
+        let p = self.triple()?.as_vec3();
+        if within_limit(p) { Ok(p) } else { Err(self.must(p, "within 1.844e18")) }
+    }
+
+    /// A direction of any length but 0, made a unit one.
+    pub(super) fn direction(&self) -> Result<DVec3> {
+        let d = self.triple()?;
+        d.try_normalize().ok_or_else(|| self.must(d, "a direction, not 0"))
+    }
+
+    /// Three numbers above 0, or one for all three.
+    pub(super) fn extent(&self) -> Result<DVec3> {
+        let e = self.one_or_three()?;
+        if e.as_vec3().min_element() > 0.0 { Ok(e) } else { Err(self.must(e, "above 0")) }
+    }
+
+    /// Three numbers, or one for all three.
+    pub(super) fn one_or_three(&self) -> Result<DVec3> {
+        if self.value.get_ref().is_array() { self.triple() } else { self.number().map(DVec3::splat) }
+    }
+
+    /// A colour or a grey, no channel below 0.
+    pub(super) fn colour(&self) -> Result<Vec3> {
+        let c = self.one_or_three()?.as_vec3();
+        if c.min_element() >= 0.0 { Ok(c) } else { Err(self.must(c, "at least 0 in every channel")) }
+    }
+
+    /// A colour that says what share of light is left: no channel above 1 either.
+    pub(super) fn share(&self) -> Result<Vec3> {
+        let c = self.colour()?;
+        if c.max_element() <= 1.0 { Ok(c) } else { Err(self.must(c, "at most 1 in every channel")) }
+    }
+
+    /// A table of its own, called `what`.
+    pub(super) fn table(&self, what: impl Into<String>) -> Result<Table<'d>> {
+        match self.value.get_ref() {
+            DeValue::Table(t) => Ok(Table::new(self.source, what, t, self.span())),
+            _ => Err(self.wrong_type("a table")),
+        }
+    }
+}
+
+/// The name of a TOML type in a sentence.
+fn article(kind: &str) -> String {
+    match kind {
+        "integer" | "array" => format!("an {kind}"),
+        _ => format!("a {kind}"),
+    }
+}

@@ -1,0 +1,76 @@
+//! A model file by itself: a camera that shows all of it, two lights and a sky.
+
+use std::f32::consts::PI;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+
+use super::assembly::Assembly;
+use super::transform::Transform;
+use super::{LoadOptions, Loaded, obj};
+use crate::geometry::{Aabb, Shape};
+use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb};
+use crate::{Error, Result};
+
+/// Full vertical angle of view, in degrees.
+const VFOV: f32 = 40.0;
+/// From the model to the camera: from the front, to the right and above.
+const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.4, 1.0);
+
+/// Reads a model and makes a scene of it.
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
+    let mut assembly = Assembly::new(path, options)?;
+    let request = obj::Request {
+        name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+        material: None,
+        smooth: None,
+        flip: false,
+        transform: Transform::IDENTITY,
+        wrong_transform: &|e| Error::file(path, e),
+    };
+    obj::load(path, &request, &mut assembly)?;
+    let bounds = assembly.scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
+        Shape::Mesh(mesh) => b.union(mesh.bounds()),
+        Shape::Sphere(sphere) => b.union(sphere.bounds()),
+        Shape::Plane(_) => b,
+    });
+    assembly.scene.camera = fitted(&bounds);
+    assembly.scene.lights = lights();
+    assembly.scene.environment = Environment::Gradient {
+        nadir: Rgb::splat(0.2),
+        horizon: Rgb::new(0.8, 0.85, 0.9),
+        zenith: Rgb::new(0.3, 0.45, 0.75),
+    };
+    assembly.reporter.default_used("a camera fitted to the model, a key and a fill light, and a sky");
+    Ok(assembly.finish())
+}
+
+/// A three-quarter view that the whole box's sphere fits into.
+fn fitted(bounds: &Aabb) -> Camera {
+    let (lo, hi) = (bounds.lo.as_dvec3(), bounds.hi.as_dvec3());
+    let centre = (lo + hi) * 0.5;
+    let size = centre.abs().max_element();
+    // A model that is a point as far as f32 goes still gets a view.
+    let radius = ((hi - lo).length() * 0.5).max(size * 1e-3).max(1e-6);
+    let distance = 1.05 * radius / (f64::from(VFOV).to_radians() * 0.5).sin();
+    Camera {
+        eye: (centre + TOWARDS_CAMERA.normalize() * distance).as_vec3(),
+        target: centre.as_vec3(),
+        up: Vec3::Y,
+        projection: Projection::Pinhole { vfov: VFOV },
+        medium: None,
+    }
+}
+
+/// A key light over the camera's left shoulder and a weak one from the other side without shadows, so that no side
+/// of the model is black. The key light shows a facing white surface as white.
+fn lights() -> Vec<Light> {
+    let light = |name: &str, direction: Vec3, strength: f32, shadows| Light {
+        name: name.to_owned(),
+        kind: LightKind::Directional { direction: direction.normalize() },
+        intensity: Rgb::splat(strength * PI),
+        falloff: Falloff::InverseSquare,
+        shadows,
+    };
+    vec![light("key", Vec3::new(0.6, -1.0, -0.7), 0.8, true), light("fill", Vec3::new(-1.0, -0.4, -0.3), 0.2, false)]
+}

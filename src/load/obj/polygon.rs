@@ -1,0 +1,186 @@
+//! Polygons into triangles, each corner kept.
+
+use glam::{DVec2, DVec3};
+
+/// The largest polygon with a dent that is cut up; cutting costs the square of its corners and more.
+pub(super) const MOST_CONCAVE_CORNERS: usize = 8_192;
+/// Corners looked at while cutting one polygon before it counts as too much: some seconds.
+const MOST_LOOKS: u64 = 1 << 30;
+
+/// Cuts the polygon through `points` into `points.len() - 2` triangles of indices into it, without overlap for any
+/// simple polygon near a plane: a fan where it is convex, ear by ear (Meisters 1975) where it is not. Corners on a
+/// straight edge stay, since neighbours may need them, and may leave triangles without area.
+///
+/// # Errors
+/// The number of corners, where it has a dent and is too large to cut up.
+pub(super) fn triangulate(points: &[DVec3], out: &mut Vec<[usize; 3]>) -> Result<(), usize> {
+    let count = points.len();
+    if count == 3 {
+        out.push([0, 1, 2]);
+        return Ok(());
+    }
+    let flat = flatten(points);
+    if is_convex(&flat) {
+        out.extend((1..count - 1).map(|i| [0, i, i + 1]));
+        return Ok(());
+    }
+    if count > MOST_CONCAVE_CORNERS {
+        return Err(count);
+    }
+    if cut_ears(&flat, out) { Ok(()) } else { Err(count) }
+}
+
+/// The polygon seen along its mean normal (Newell's method), counter-clockwise, around its first corner.
+fn flatten(points: &[DVec3]) -> Vec<DVec2> {
+    let around: Vec<DVec3> = points.iter().map(|&p| p - points[0]).collect();
+    let normal: DVec3 = (0..around.len()).map(|i| around[i].cross(around[(i + 1) % around.len()])).sum();
+    let size = normal.abs();
+    // Dropping the largest axis keeps the other two in cyclic order, which keeps the turning sense of its sign.
+    let (pick, sign): (fn(&DVec3) -> DVec2, f64) = if size.x >= size.y && size.x >= size.z {
+        (|p| DVec2::new(p.y, p.z), normal.x)
+    } else if size.y >= size.z {
+        (|p| DVec2::new(p.z, p.x), normal.y)
+    } else {
+        (|p| DVec2::new(p.x, p.y), normal.z)
+    };
+    let turn = if sign < 0.0 { DVec2::new(-1.0, 1.0) } else { DVec2::ONE };
+    around.iter().map(|p| pick(p) * turn).collect()
+}
+
+/// Twice the signed area of a triangle; above 0 counter-clockwise.
+fn area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    (b - a).perp_dot(c - a)
+}
+
+/// Whether every turn is to the left (or none) and the whole goes round once.
+fn is_convex(points: &[DVec2]) -> bool {
+    let count = points.len();
+    let mut reversals = 0;
+    let mut last = 0.0;
+    for i in 0..count {
+        let (a, b, c) = (points[i], points[(i + 1) % count], points[(i + 2) % count]);
+        if area(a, b, c) < 0.0 || (area(a, b, c) == 0.0 && (b - a).dot(c - b) < 0.0) {
+            return false;
+        }
+        let dx = b.x - a.x;
+        if dx != 0.0 {
+            if dx * last < 0.0 {
+                reversals += 1;
+            }
+            last = dx;
+        }
+    }
+    reversals <= 2
+}
+
+/// Whether it came to an end before [`MOST_LOOKS`].
+fn cut_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) -> bool {
+    let mut looks = 0;
+    let mut left: Vec<usize> = (0..points.len()).collect();
+    let mut at = 0;
+    let mut failures = 0;
+    // With nothing cut in a whole round the polygon crosses itself; then the best that remains is to cut anyway.
+    while left.len() > 3 {
+        let count = left.len();
+        looks += count as u64;
+        if looks > MOST_LOOKS {
+            return false;
+        }
+        at %= count;
+        let [i, j, k] = [left[(at + count - 1) % count], left[at], left[(at + 1) % count]];
+        if failures >= count || is_ear(points, &left, [i, j, k]) {
+            out.push([i, j, k]);
+            left.remove(at);
+            // Going on with the corner after next gives rounder triangles than a fan.
+            failures = 0;
+        } else {
+            failures += 1;
+        }
+        at += 1;
+    }
+    out.push([left[0], left[1], left[2]]);
+    true
+}
+
+/// Whether the triangle at corner `j` turns left and no other corner lies in it.
+fn is_ear(points: &[DVec2], left: &[usize], [i, j, k]: [usize; 3]) -> bool {
+    let (a, b, c) = (points[i], points[j], points[k]);
+    if area(a, b, c) <= 0.0 {
+        return false;
+    }
+    !left
+        .iter()
+        .map(|&m| points[m])
+        .any(|p| p != a && p != b && p != c && area(a, b, p) >= 0.0 && area(b, c, p) >= 0.0 && area(c, a, p) >= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cut(outline: &[[f64; 2]], lift: fn(f64, f64) -> DVec3) -> (Vec<[usize; 3]>, f64, f64) {
+        let points: Vec<DVec3> = outline.iter().map(|p| lift(p[0], p[1])).collect();
+        let mut triangles = Vec::new();
+        triangulate(&points, &mut triangles).unwrap();
+        assert_eq!(triangles.len(), points.len() - 2);
+        let whole: DVec3 = (0..points.len()).map(|i| points[i].cross(points[(i + 1) % points.len()])).sum();
+        let normal = whole.normalize();
+        let parts: Vec<f64> = triangles
+            .iter()
+            .map(|t| (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).dot(normal))
+            .collect();
+        assert!(parts.iter().all(|&a| a > -1e-12), "{triangles:?} {parts:?}");
+        (triangles.clone(), parts.iter().sum(), whole.length())
+    }
+
+    #[test]
+    fn a_concave_quad_does_not_overlap_itself_whatever_plane_and_first_corner() {
+        let dart = [[0.0, 0.0], [2.0, -1.0], [0.5, 0.0], [2.0, 1.0]];
+        let lifts: [fn(f64, f64) -> DVec3; 4] = [
+            |x, y| DVec3::new(x, y, 0.0),
+            |x, y| DVec3::new(y, x, 3.0),
+            |x, y| DVec3::new(5.0, x, y),
+            |x, y| DVec3::new(x, 0.3 * x, -y),
+        ];
+        for lift in lifts {
+            for first in 0..4 {
+                let mut turned = dart;
+                turned.rotate_left(first);
+                let (_, sum, whole) = cut(&turned, lift);
+                assert!((sum - whole).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_comb_and_a_spiral_are_covered_exactly_once() {
+        let mut comb = vec![[0.0, 0.0], [20.0, 0.0]];
+        for i in (0..10).rev() {
+            comb.extend([[2.0 * f64::from(i) + 1.5, 5.0], [2.0 * f64::from(i) + 0.5, 0.5]]);
+        }
+        let (_, sum, whole) = cut(&comb, |x, y| DVec3::new(x, y, 1.0));
+        assert!((sum - whole).abs() < 1e-9);
+    }
+
+    #[test]
+    fn corners_on_straight_edges_are_all_kept() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0]];
+        let (triangles, sum, whole) = cut(&square, |x, y| DVec3::new(x, y, 0.0));
+        assert_eq!(sum, whole);
+        for corner in 0..square.len() {
+            assert!(triangles.iter().flatten().any(|&i| i == corner));
+        }
+    }
+
+    #[test]
+    fn a_polygon_of_no_area_or_that_crosses_itself_still_ends() {
+        let mut out = Vec::new();
+        triangulate(&[DVec3::ZERO; 6], &mut out).unwrap();
+        let bow = [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0), DVec3::X, DVec3::Y];
+        triangulate(&bow, &mut out).unwrap();
+        let star: Vec<DVec3> =
+            (0..5).map(|i| DVec3::new((f64::from(i) * 2.5133).cos(), (f64::from(i) * 2.5133).sin(), 0.0)).collect();
+        triangulate(&star, &mut out).unwrap();
+        assert_eq!(out.len(), 4 + 2 + 3);
+    }
+}

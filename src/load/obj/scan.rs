@@ -1,0 +1,269 @@
+//! The pre-pass over an OBJ file: every statement checked, every number read, every index made absolute, with the
+//! line of each face.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::lines::Lines;
+use crate::load::Limits;
+use crate::load::report::Reporter;
+use crate::{Error, Result};
+
+/// An index that a corner does not have.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// One corner of a face: places of its position, texture coordinate and normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Corner {
+    pub v: u32,
+    pub vt: u32,
+    pub vn: u32,
+}
+
+/// One face as written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face {
+    pub line: u32,
+    /// Its corners, a range of [`Scan::corners`].
+    pub first: usize,
+    pub count: usize,
+    /// Place in [`Scan::uses`].
+    pub material: u32,
+}
+
+/// What an OBJ file says.
+#[derive(Debug, Default)]
+pub(super) struct Scan {
+    /// Positions; they may be anything at all.
+    pub positions: Vec<Vec3>,
+    /// Texture coordinates, finite.
+    pub uvs: Vec<Vec2>,
+    /// Normals; zero or not finite where the file gives no direction.
+    pub normals: Vec<Vec3>,
+    pub corners: Vec<Corner>,
+    pub faces: Vec<Face>,
+    /// Names that faces use, with the line of their first use; the first stands for none.
+    pub uses: Vec<(String, u32)>,
+    /// Material files, with their lines.
+    pub libraries: Vec<(String, u32)>,
+}
+
+/// Reads the statements of an OBJ file.
+pub(super) fn scan(file: &Path, text: &str, limits: &Limits, reporter: &mut Reporter) -> Result<Scan> {
+    let mut scan = Scan { uses: vec![(String::new(), 0)], ..Scan::default() };
+    let mut places = std::collections::HashMap::from([(String::new(), 0u32)]);
+    let mut material = 0;
+    let limit = limits.vertices.min(u64::from(NONE - 1)) as usize;
+    for (line, text) in Lines::new(text) {
+        let at = Place { file, line };
+        if text.len() > limits.line_bytes {
+            let place = at.error(format!("the line has {} bytes", text.len()));
+            return Err(Error::Limit(format!("{place}; at most {} are read", limits.line_bytes)));
+        }
+        // A comment may follow a statement, but a name may hold a `#`.
+        let (code, statement) = (text.split('#').next().unwrap_or(""), text.trim());
+        let mut words = code.split_ascii_whitespace();
+        let Some(keyword) = words.next() else { continue };
+        match keyword {
+            "v" => {
+                let [x, y, z] = at.numbers(code, &mut words)?;
+                if let (Some(w), None) = (words.next(), words.next())
+                    && w.parse() != Ok(1.0f32)
+                {
+                    reporter.warn(file, line as usize, "the weight of a vertex is left out", || {
+                        format!(": `{}`", short(code))
+                    })?;
+                }
+                scan.positions.push(Vec3::new(x, y, z));
+            }
+            "vt" => {
+                let first = words.next().unwrap_or("");
+                let u = at.number(code, first)?;
+                let v = words.next().map_or(Ok(0.0), |w| at.number(code, w))?;
+                let uv = Vec2::new(u, v);
+                if !uv.is_finite() {
+                    reporter.warn(
+                        file,
+                        line as usize,
+                        "a texture coordinate that is not finite counts as 0",
+                        || format!(": `{}`", short(code)),
+                    )?;
+                }
+                scan.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+            }
+            "vn" => scan.normals.push(Vec3::from(at.numbers(code, &mut words)?)),
+            "f" | "fo" => {
+                let first = scan.corners.len();
+                for word in words {
+                    let corner = at.corner(word, &scan)?;
+                    scan.corners.push(corner);
+                }
+                if scan.faces.len() as u64 >= limits.triangles {
+                    return Err(Error::Limit(format!("{}: more than {} faces", file.display(), limits.triangles)));
+                }
+                let count = scan.corners.len() - first;
+                scan.faces.push(Face { line, first, count, material });
+            }
+            "usemtl" => {
+                let name = statement[keyword.len()..].trim();
+                if name.is_empty() {
+                    reporter.warn(
+                        file,
+                        line as usize,
+                        "`usemtl` without a name: the default material is used",
+                        String::new,
+                    )?;
+                }
+                material = match places.get(name) {
+                    Some(&place) => place,
+                    None => {
+                        let place = scan.uses.len() as u32;
+                        if scan.uses.len() > limits.objects {
+                            return Err(Error::Limit(format!(
+                                "{}: more than {} materials",
+                                file.display(),
+                                limits.objects
+                            )));
+                        }
+                        places.insert(name.to_owned(), place);
+                        scan.uses.push((name.to_owned(), line));
+                        place
+                    }
+                };
+            }
+            "mtllib" => {
+                let name = statement[keyword.len()..].trim();
+                if scan.libraries.iter().all(|(known, _)| known != name) {
+                    if scan.libraries.len() >= 1000 {
+                        return Err(Error::Limit(format!("{}: more than 1000 material files", file.display())));
+                    }
+                    scan.libraries.push((name.to_owned(), line));
+                }
+            }
+            // Groups and objects do not part the picture; smoothing is asked for in the scene.
+            "g" | "o" | "s" => {}
+            _ => {
+                let kind = match keyword {
+                    "l" | "p" => String::from("points and lines are left out"),
+                    _ => format!("statement `{}` is not understood and left out", short(keyword)),
+                };
+                reporter.warn(file, line as usize, &kind, String::new)?;
+            }
+        }
+        if scan.positions.len().max(scan.uvs.len()).max(scan.normals.len()) > limit {
+            return Err(Error::Limit(format!("{}: more than {limit} vertices", file.display())));
+        }
+    }
+    check_indices(file, &mut scan, reporter)?;
+    Ok(scan)
+}
+
+/// Positive indices may point forward, so they are checked at the end.
+fn check_indices(file: &Path, scan: &mut Scan, reporter: &mut Reporter) -> Result<()> {
+    let counts = [scan.positions.len(), scan.uvs.len(), scan.normals.len()];
+    for face in &scan.faces {
+        for corner in &mut scan.corners[face.first..face.first + face.count] {
+            let given = [corner.v, corner.vt, corner.vn];
+            for (kind, (&index, &count)) in given.iter().zip(&counts).enumerate() {
+                if index == NONE || (index as usize) < count {
+                    continue;
+                }
+                let what = ["vertex", "texture coordinate", "normal"][kind];
+                // A file without any normals may still point at them.
+                if kind > 0 && count == 0 {
+                    let text = format!("faces point at {what}s, and the file has none: those are left out");
+                    reporter.warn(file, face.line as usize, &text, String::new)?;
+                    *[&mut corner.vt, &mut corner.vn][kind - 1] = NONE;
+                    continue;
+                }
+                let message = format!("the face points at {what} {}; the file has {count}", u64::from(index) + 1);
+                return Err(Error::at(file, face.line as usize, message));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A line of the file, for messages.
+struct Place<'f> {
+    file: &'f Path,
+    line: u32,
+}
+
+impl Place<'_> {
+    fn error(&self, message: String) -> Error {
+        Error::at(self.file, self.line as usize, message)
+    }
+
+    fn number(&self, statement: &str, word: &str) -> Result<f32> {
+        word.parse().map_err(|_| {
+            let statement = short(statement.trim());
+            self.error(match word {
+                "" => format!("`{statement}` has too few numbers"),
+                w if w.contains(',') => {
+                    format!("`{statement}`: `{}` is no number; write decimals with a point", short(w))
+                }
+                w => format!("`{statement}`: `{}` is no number", short(w)),
+            })
+        })
+    }
+
+    fn numbers<'w>(&self, statement: &str, words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3]> {
+        let mut numbers = [0.0; 3];
+        for n in &mut numbers {
+            *n = self.number(statement, words.next().unwrap_or(""))?;
+        }
+        Ok(numbers)
+    }
+
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corner(&self, word: &str, scan: &Scan) -> Result<Corner> {
+        let mut parts = word.split('/');
+        let mut next = |count: usize, what: &str, needed: bool| match parts.next() {
+            None | Some("") if !needed => Ok(NONE),
+            None | Some("") => Err(self.error(format!("corner `{}` of the face names no {what}", short(word)))),
+            Some(part) => self.index(part, count, what),
+        };
+        let corner = Corner {
+            v: next(scan.positions.len(), "vertex", true)?,
+            vt: next(scan.uvs.len(), "texture coordinate", false)?,
+            vn: next(scan.normals.len(), "normal", false)?,
+        };
+        match parts.next() {
+            None => Ok(corner),
+            Some(_) => Err(self.error(format!("corner `{}` of the face has more than three indices", short(word)))),
+        }
+    }
+
+    /// An index from 1, or from -1 backwards from the latest of `count`.
+    fn index(&self, part: &str, count: usize, what: &str) -> Result<u32> {
+        let index: i64 = part.parse().map_err(|e: std::num::ParseIntError| {
+            let why = match e.kind() {
+                std::num::IntErrorKind::PosOverflow | std::num::IntErrorKind::NegOverflow => "is out of range",
+                _ => "is no index",
+            };
+            self.error(format!("`{}`, a {what} of the face, {why}", short(part)))
+        })?;
+        let place = match index {
+            0 => return Err(self.error(format!("a face points at {what} 0; they count from 1"))),
+            1.. => index - 1,
+            _ => (count as i64).checked_add(index).filter(|&i| i >= 0).ok_or_else(|| {
+                self.error(format!("the face points {index} {what} back; only {count} come before it"))
+            })?,
+        };
+        u32::try_from(place)
+            .ok()
+            .filter(|&i| i != NONE)
+            .ok_or_else(|| self.error(format!("the face points at {what} {index}, which is out of range")))
+    }
+}
+
+/// Enough of a text for a message.
+pub(super) fn short(text: &str) -> String {
+    let mut out: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if out.len() < text.len() {
+        out.push_str("...");
+    }
+    out
+}

@@ -1,0 +1,141 @@
+//! What was odd about the input: warnings, counted and never repeated, and what was left out or filled in.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use crate::{Error, Result};
+
+/// Different warnings kept with their own text; what comes after them is only counted.
+const DISTINCT_WARNINGS: usize = 200;
+
+/// One kind of oddity in one file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// The file, as the user named it.
+    pub file: PathBuf,
+    /// Line of the first one, from 1; 0 where it concerns the whole file.
+    pub line: usize,
+    /// What is odd and what was done about it, told of the first one.
+    pub message: String,
+    /// How many there were.
+    pub count: u64,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
+        }
+        write!(f, ": {}", self.message)?;
+        if self.count > 1 {
+            write!(f, " (and {} more like it)", self.count - 1)?;
+        }
+        Ok(())
+    }
+}
+
+/// What loading came across.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadReport {
+    /// Oddities, in the order they were first met.
+    pub warnings: Vec<Warning>,
+    /// Faces that were left out, by reason.
+    pub dropped: BTreeMap<&'static str, u64>,
+    /// What the scene leaves open and was filled in.
+    pub defaults: Vec<String>,
+}
+
+/// Collects a [`LoadReport`].
+#[derive(Debug, Default)]
+pub(super) struct Reporter {
+    report: LoadReport,
+    strict: bool,
+    /// Place in `report.warnings` by file and kind.
+    places: HashMap<PathBuf, HashMap<String, usize>>,
+}
+
+impl Reporter {
+    /// An empty report; with `strict` the first warning is an error.
+    pub(super) fn new(strict: bool) -> Self {
+        Self { strict, ..Self::default() }
+    }
+
+    /// Notes an oddity. Those of one `kind` in one file are one warning; `detail` tells of the first (it follows the
+    /// kind in the message).
+    ///
+    /// # Errors
+    /// The warning itself, under `strict`.
+    pub(super) fn warn(&mut self, file: &Path, line: usize, kind: &str, detail: impl FnOnce() -> String) -> Result<()> {
+        let known = self.places.get(file).and_then(|kinds| kinds.get(kind));
+        if let Some(&place) = known {
+            self.report.warnings[place].count += 1;
+            return Ok(());
+        }
+        let message = kind.to_owned() + &detail();
+        if self.strict {
+            return Err(if line > 0 { Error::at(file, line, message) } else { Error::file(file, message) });
+        }
+        if self.report.warnings.len() > DISTINCT_WARNINGS {
+            self.report.warnings[DISTINCT_WARNINGS].count += 1;
+            return Ok(());
+        }
+        let place = self.report.warnings.len();
+        let message =
+            if place == DISTINCT_WARNINGS { String::from("further warnings are only counted") } else { message };
+        self.report.warnings.push(Warning { file: file.to_owned(), line, message, count: 1 });
+        self.places.entry(file.to_owned()).or_default().insert(kind.to_owned(), place);
+        Ok(())
+    }
+
+    /// Counts a face that was left out.
+    pub(super) fn dropped(&mut self, reason: &'static str) {
+        *self.report.dropped.entry(reason).or_default() += 1;
+    }
+
+    /// Notes what was filled in.
+    pub(super) fn default_used(&mut self, what: impl Into<String>) {
+        self.report.defaults.push(what.into());
+    }
+
+    /// The report.
+    pub(super) fn finish(self) -> LoadReport {
+        self.report
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_of_one_kind_and_file_are_counted_once() {
+        let mut reporter = Reporter::new(false);
+        for line in 1..=3 {
+            reporter.warn(Path::new("a.obj"), line, "odd", || format!(": {line}")).unwrap();
+        }
+        reporter.warn(Path::new("b.obj"), 7, "odd", String::new).unwrap();
+        let report = reporter.finish();
+        assert_eq!(report.warnings.len(), 2);
+        assert_eq!(report.warnings[0].to_string(), "a.obj:1: odd: 1 (and 2 more like it)");
+        assert_eq!(report.warnings[1].to_string(), "b.obj:7: odd");
+    }
+
+    #[test]
+    fn a_flood_of_different_warnings_stays_bounded_and_is_counted() {
+        let mut reporter = Reporter::new(false);
+        for i in 0..1000 {
+            reporter.warn(Path::new("a.obj"), i + 1, &format!("odd {i}"), String::new).unwrap();
+        }
+        let report = reporter.finish();
+        assert_eq!(report.warnings.len(), DISTINCT_WARNINGS + 1);
+        assert_eq!(report.warnings.iter().map(|w| w.count).sum::<u64>(), 1000);
+    }
+
+    #[test]
+    fn strict_makes_the_first_warning_an_error() {
+        let error = Reporter::new(true).warn(Path::new("a.obj"), 4, "odd", String::new).unwrap_err();
+        assert_eq!(error.to_string(), "a.obj:4: odd");
+    }
+}

@@ -1,0 +1,126 @@
+//! Normals for meshes that have none.
+
+use glam::{DVec3, Vec3};
+
+use super::topology::{Edges, weld};
+use crate::geometry::TriMesh;
+
+/// Gives `mesh` normals that are smooth across edges that bend by less than `crease` degrees and break at the others.
+///
+/// A corner's normal is the mean of the faces it is joined to through such edges, weighted by their angles there
+/// (Thürmer & Wüthrich 1998), so that it does not depend on how a face was cut up. Corners count as one where they
+/// lie at exactly the same place. An edge of three or more faces, or of two that run along it the same way, breaks.
+pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) {
+    let weld = weld(&mesh.positions);
+    let flat: Vec<DVec3> = (0..mesh.triangles.len())
+        .map(|i| {
+            let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
+            (b - a).cross(c - a).normalize_or_zero()
+        })
+        .collect();
+    let least = crease.to_radians().cos();
+
+    // Join corners of neighbours across smooth edges.
+    let mut groups = Groups::new(mesh.triangles.len() * 3);
+    for group in Edges::new(&mesh.triangles, &weld).groups() {
+        let [(_, a), (_, b)] = group else { continue };
+        if a.upwards == b.upwards || flat[a.triangle as usize].dot(flat[b.triangle as usize]) < least {
+            continue;
+        }
+        let corner = |triangle: u32, k: u8| triangle * 3 + u32::from(k % 3);
+        // They run along it in opposite directions.
+        groups.join(corner(a.triangle, a.corner), corner(b.triangle, b.corner + 1));
+        groups.join(corner(a.triangle, a.corner + 1), corner(b.triangle, b.corner));
+    }
+
+    let mut sums = vec![DVec3::ZERO; mesh.triangles.len() * 3];
+    for (i, normal) in flat.iter().enumerate() {
+        let p = mesh.corners(i).map(|p| p.as_dvec3());
+        for k in 0..3 {
+            let (to, from) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+            // By tangent: the angle of a sliver keeps its digits.
+            let angle = to.cross(from).length().atan2(to.dot(from));
+            sums[groups.find((i * 3 + k) as u32) as usize] += *normal * angle;
+        }
+    }
+    let mut places = vec![u32::MAX; sums.len()];
+    mesh.normals.clear();
+    mesh.normal_indices.clear();
+    for (i, own) in flat.iter().enumerate() {
+        mesh.normal_indices.push(std::array::from_fn(|k| {
+            let root = groups.find((i * 3 + k) as u32) as usize;
+            if places[root] == u32::MAX {
+                places[root] = mesh.normals.len() as u32;
+                let normal = sums[root].try_normalize().or(own.try_normalize());
+                mesh.normals.push(normal.map_or(Vec3::Y, |n| n.as_vec3()));
+            }
+            places[root]
+        }));
+    }
+}
+
+/// Disjoint sets, halving paths as they are walked.
+struct Groups(Vec<u32>);
+
+impl Groups {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn find(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            let parent = self.0[i as usize];
+            self.0[i as usize] = self.0[parent as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    /// The lower root stays, so that the outcome does not depend on the order of joining.
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::shapes::{cuboid, make_flat, sphere};
+
+    #[test]
+    fn a_box_stays_sharp_below_ninety_degrees_and_is_round_above() {
+        let mut sharp = cuboid(3);
+        smooth(&mut sharp, 89.0);
+        assert_eq!(sharp.normals.len(), 6 * 16);
+        let mut round = cuboid(1);
+        smooth(&mut round, 91.0);
+        // By angle every face weighs the same at a corner, however its two triangles lie.
+        for (p, n) in (0..12).flat_map(|i| std::iter::zip(round.corners(i), round.corner_normals(i).unwrap())) {
+            assert!((p.normalize() - n).length() < 1e-6, "{p} {n}");
+        }
+    }
+
+    #[test]
+    fn a_sphere_gets_the_normals_it_had() {
+        let mut mesh = sphere(40);
+        let exact = mesh.clone();
+        make_flat(&mut mesh);
+        smooth(&mut mesh, 30.0);
+        for i in 0..mesh.triangles.len() {
+            for (a, b) in mesh.corner_normals(i).unwrap().into_iter().zip(exact.corner_normals(i).unwrap()) {
+                assert!(a.dot(b) > 0.9999);
+            }
+        }
+    }
+
+    #[test]
+    fn coinciding_corners_of_separate_triangles_are_smoothed_as_one() {
+        let mut mesh = sphere(8);
+        let soup: Vec<Vec3> = (0..mesh.triangles.len()).flat_map(|i| mesh.corners(i)).collect();
+        mesh.triangles = (0..soup.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        mesh.positions = soup;
+        smooth(&mut mesh, 60.0);
+        assert_eq!(mesh.normals.len(), 7 * 16 + 2);
+    }
+}

@@ -1,0 +1,40 @@
+//! What a mistyped name was probably meant to be.
+
+/// The name among `known` that is nearest to `given`, if any is near.
+pub(super) fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // A distance costs the product of the lengths; nothing that long is a typing error.
+    if given.len() > 64 {
+        return None;
+    }
+    let given = given.to_lowercase();
+    known
+        .into_iter()
+        .filter(|name| name.len() <= 128)
+        .map(|name| (strsim::jaro_winkler(&given, &name.to_lowercase()), name))
+        .filter(|&(likeness, _)| likeness > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+/// `; did you mean ...?` for the nearest name, else the list of all of them.
+pub(super) fn hint<'a>(given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
+    if let Some(name) = nearest(given, known.clone()) {
+        return format!("; did you mean `{name}`?");
+    }
+    let all: Vec<&str> = known.into_iter().take(40).collect();
+    if all.is_empty() { String::new() } else { format!("; known are {}", all.join(", ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_finds_its_word_and_noise_finds_none() {
+        let keys = ["intensity", "position", "falloff"];
+        assert_eq!(nearest("intensty", keys), Some("intensity"));
+        assert_eq!(nearest("Positon", keys), Some("position"));
+        assert_eq!(nearest("qqqq", keys), None);
+        assert_eq!(nearest(&"a".repeat(100_000), keys), None);
+    }
+}
