@@ -3,12 +3,14 @@
 
 mod elementary;
 mod real;
+mod trigonometry;
 mod ulp;
 mod vector;
 
 pub(crate) use elementary::SQRT_HALF_BITS;
 pub use elementary::{Binary32, exp, pow};
 pub use real::{FUSED, LaneMask, Real};
+pub use trigonometry::{acos, asin, sin_cos};
 pub use ulp::{next_down, next_up, ulp};
 pub use vector::Vector3;
 

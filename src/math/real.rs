@@ -34,8 +34,8 @@ impl LaneMask for bool {
 
 /// A number, or eight of them, with IEEE 754 arithmetic.
 ///
-/// Scalar `f32` and each lane of eight give the same bits for every operation here, which is why `fma`, `exp` and
-/// `pow` are ours and not the standard library's.
+/// Scalar `f32` and each lane of eight give the same bits for every operation here, which is why `fma`, `exp`,
+/// `pow` and the trigonometry are ours and not the standard library's.
 pub trait Real:
     Copy
     + Debug
@@ -75,6 +75,13 @@ pub trait Real:
     fn exp(self) -> Self;
     /// `self` to the power `exponent`, for `self >= 0`; 1 where the exponent is 0.
     fn pow(self, exponent: Self) -> Self;
+    /// Arc sine in radians; NaN outside `-1..=1`. At most 2 ulp off in `f32`.
+    fn asin(self) -> Self;
+    /// Arc cosine in radians; NaN outside `-1..=1`. At most 2 ulp off in `f32`.
+    fn acos(self) -> Self;
+    /// Sine and cosine of an angle in radians, `|self| <= 3 pi / 4`. At most 2 ulp off in `f32`, but see
+    /// [`super::sin_cos`].
+    fn sin_cos(self) -> (Self, Self);
 
     /// `self > other`; false where either is NaN.
     #[inline(always)]
@@ -176,6 +183,18 @@ impl Real for f32 {
     fn pow(self, exponent: Self) -> Self {
         super::pow(self, exponent)
     }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        super::asin(self)
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        super::acos(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        super::sin_cos(self)
+    }
 }
 
 impl Real for f64 {
@@ -232,5 +251,17 @@ impl Real for f64 {
     #[inline(always)]
     fn pow(self, exponent: Self) -> Self {
         self.powf(exponent)
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        f64::asin(self)
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        f64::acos(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        f64::sin_cos(self)
     }
 }

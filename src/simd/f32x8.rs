@@ -161,6 +161,18 @@ impl Real for F32x8 {
     fn pow(self, exponent: Self) -> Self {
         math::pow(self, exponent)
     }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        math::asin(self)
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        math::acos(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        math::sin_cos(self)
+    }
 }
 
 impl Binary32 for F32x8 {
@@ -294,6 +306,10 @@ mod tests {
         check("fma", |a, b| a.fma(b, a), |a, b| a.fma(b, a));
         check("select", |a, b| Real::select(a.lt(b), a, b), |a, b| if a < b { a } else { b });
         check("exp", |a, _| Real::exp(a), |a, _| Real::exp(a));
+        check("asin", |a, _| Real::asin(a), |a, _| Real::asin(a));
+        check("acos", |a, _| Real::acos(a), |a, _| Real::acos(a));
+        check("sin", |a, _| Real::sin_cos(a).0, |a, _| Real::sin_cos(a).0);
+        check("cos", |a, _| Real::sin_cos(a).1, |a, _| Real::sin_cos(a).1);
         check("pow", |a, b| Real::pow(Real::abs(a), b), |a, b| Real::pow(f32::abs(a), b));
     }
 }
