@@ -18,8 +18,8 @@ pub fn absorption_from_colour(colour: glam::Vec3, distance: f32) -> glam::Vec3 {
     let floor = f64::from(crate::math::UNIT_ROUNDOFF);
     let channel = |c: f32| {
         let sigma = -f64::from(c).max(floor).ln() / f64::from(distance);
-        // A colour of exactly 1 gives -0.
-        sigma.max(0.0) as f32
+        // A colour of exactly 1 gives -0; a distance of next to nothing more than an f32 holds.
+        sigma.clamp(0.0, f64::from(f32::MAX)) as f32
     };
     glam::Vec3::new(channel(colour.x), channel(colour.y), channel(colour.z))
 }

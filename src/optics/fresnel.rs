@@ -1,5 +1,7 @@
 //! How much light a boundary reflects.
 
+use super::conductor::{conductor_at_normal, conductor_exact, conductor_schlick};
+use super::polarised::Amplitudes;
 use super::{Boundary, Crossing};
 use crate::math::{Real, Vector3};
 
@@ -54,20 +56,15 @@ impl FresnelFormula for Exact {
 
     /// `R = r_s^2 (1 + q^2) / 2` with `r_s = kc / (cos_i + b)^2` and `q = r_p / r_s = (c b - s^2) / (c b + s^2)`:
     /// the same numbers as `((n1 c_i - n2 c_t) / (n1 c_i + n2 c_t))^2` and its twin, halved, without their
-    /// cancellation at index ratios near 1.
+    /// cancellation at index ratios near 1. Within 1.2e-6 of itself at every angle and index ratio where products are
+    /// fused; elsewhere near the critical angle only within 6e-4. Between equal indices exactly 0.
     #[inline(always)]
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R {
         let one = R::one();
-        let c = at.cos_i.min(one);
-        let sum = c + at.b;
-        let r_s = boundary.kc / (sum * sum);
-        let cb = c * at.b;
-        let s2 = (one - c) * (one + c);
-        let q = (cb - s2) / (cb + s2);
+        let Amplitudes { s: r_s, q } = Amplitudes::new(boundary, at);
         let r = (r_s * r_s) * q.fma(q, one) * R::splat(0.5);
-        // `min` also turns 0/0 at grazing incidence (cos_i = b = 0) into 1.
-        let r = r.min(one);
-        let r = R::select(at.total, one, r);
+        // `min` also turns 0/0 (no light gets in where the index ratio is beyond all bounds) into 1.
+        let r = R::select(at.total, one, r.min(one));
         R::select(boundary.kc.eq(R::zero()), R::zero(), r)
     }
 
@@ -80,12 +77,18 @@ impl FresnelFormula for Exact {
 impl FresnelFormula for Schlick {
     const MODEL: FresnelModel = FresnelModel::Schlick;
 
-    /// `R0 + (1 - R0) (1 - c)^5`, with `c` the cosine on the thinner side: `cos_t` when leaving the denser medium.
+    /// `R0 + (1 - R0) (1 - c)^5`, with `c` the cosine on the thinner side: `cos_t` when leaving the denser medium
+    /// (taking `cos_i` there is off by up to 0.97).
+    ///
+    /// Off the Fresnel equations by up to 0.06 (water), 0.036 (glass) and 0.076 (diamond), but by 0.17 between water
+    /// and glass and by 0.855 between indices 1 and 1.0003: it knows the index only through `R0`. Equal indices, where
+    /// it would still go to 1 at grazing incidence, are no boundary and reflect exactly 0.
     #[inline(always)]
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R {
         let leaving = boundary.kc.gt(R::zero());
         let r = schlick(boundary.r0, R::select(leaving, at.cos_t, at.cos_i));
-        R::select(at.total, R::one(), r)
+        let r = R::select(at.total, R::one(), r);
+        R::select(boundary.kc.eq(R::zero()), R::zero(), r)
     }
 
     #[inline(always)]
@@ -108,47 +111,12 @@ impl FresnelFormula for AtNormal {
     }
 }
 
-/// Schlick's weight on a given cosine.
+/// Schlick's weight on a given cosine. At most 1, to the bit, for `r0` in 0..=1.
 #[inline(always)]
-fn schlick<R: Real>(r0: R, cos: R) -> R {
+pub(super) fn schlick<R: Real>(r0: R, cos: R) -> R {
     let m = (R::one() - cos).max(R::zero());
     let m2 = m * m;
     (R::one() - r0).fma(m2 * m2 * m, r0)
-}
-
-/// Reflectance of a metal at normal incidence: `((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)`.
-#[inline(always)]
-fn conductor_at_normal<R: Real>(eta: R, k: R) -> R {
-    let k2 = k * k;
-    let (less, more) = (eta - R::one(), eta + R::one());
-    less.fma(less, k2) / more.fma(more, k2)
-}
-
-/// Schlick's approximation with a metal's reflectance at normal incidence.
-#[inline(always)]
-pub fn conductor_schlick<R: Real>(cos_i: R, eta: R, k: R) -> R {
-    schlick(conductor_at_normal(eta, k), cos_i)
-}
-
-/// The Fresnel equations for a metal, unpolarised (Born & Wolf, section 14.2, in the real form of Mitsuba and
-/// Lagarde's notes: `a^2 + b^2` and `2 a cos`).
-#[inline(always)]
-pub fn conductor_exact<R: Real>(cos_i: R, eta: R, k: R) -> R {
-    let c = cos_i.min(R::one());
-    let c2 = c * c;
-    let s2 = (R::one() - c) * (R::one() + c);
-    // a^2 - b^2 = eta^2 - k^2 - sin^2 and a b = eta k define a + i b, the metal's own cosine times its index.
-    let difference = (eta - k) * (eta + k) - s2;
-    let product = eta * k;
-    let a2_plus_b2 = difference.fma(difference, R::splat(4.0) * product * product).sqrt();
-    let a = (R::splat(0.5) * (a2_plus_b2 + difference)).safe_sqrt();
-    let twice_ac = R::splat(2.0) * a * c;
-    let sum = a2_plus_b2 + c2;
-    let r_s = (sum - twice_ac) / (sum + twice_ac);
-    let product_sum = a2_plus_b2.fma(c2, s2 * s2);
-    let slope = twice_ac * s2;
-    let r_p = r_s * ((product_sum - slope) / (product_sum + slope));
-    (R::splat(0.5) * (r_s + r_p)).min(R::one())
 }
 
 /// Reflectance of a thin pane with all its inner reflections summed, `2 R / (1 + R)`, from one face's `R`.

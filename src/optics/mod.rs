@@ -7,14 +7,23 @@
 
 mod absorb;
 mod boundary;
+mod conductor;
 mod fresnel;
 mod normal;
+mod planar;
+mod polarised;
 mod reflect;
+mod refraction;
 
 pub use absorb::{absorption_from_colour, transmittance};
 pub use boundary::{Boundary, Crossing};
-pub use fresnel::{
-    AtNormal, Exact, FresnelFormula, FresnelModel, Schlick, conductor_exact, conductor_schlick, thin_reflectance,
-};
+pub use conductor::{conductor_at_normal, conductor_exact, conductor_schlick};
+pub use fresnel::{AtNormal, Exact, FresnelFormula, FresnelModel, Schlick, thin_reflectance};
 pub use normal::{below_surface, consistent_normal};
+pub use planar::PlanarReflection;
+pub use polarised::{Polarised, polarised, polarised_as_printed};
 pub use reflect::reflect;
+pub use refraction::{
+    Bec, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable, StraightThrough,
+    Trigonometric,
+};

@@ -8,34 +8,44 @@ use crate::math::{LaneMask, Real, Vector3};
 const LEAST_RISE: f64 = 1.0 / 1024.0;
 
 /// The shading normal bent just far enough towards the geometric one that the mirror direction of `incident` about
-/// it rises above the surface by [`LEAST_RISE`]. Both normals face the incident side. A normal that needs no bending
-/// comes back to the bit.
+/// it rises above the surface by [`LEAST_RISE`], or as far as `incident` comes down on it where that is less. Both
+/// normals are of unit length and on the incident side of the surface. A normal that needs no bending comes back to
+/// the bit.
+///
+/// Near grazing incidence rounding spoils a bent normal; one whose mirror direction does not rise by half of what it
+/// should gives way to the geometric normal, whose mirror direction rises as far as `incident` comes down. So does a
+/// shading normal that is NaN.
 #[inline(always)]
 pub fn consistent_normal<R: Real>(incident: Vector3<R>, geometric: Vector3<R>, shading: Vector3<R>) -> Vector3<R> {
     let mirrored = reflect(incident, shading);
     let rise = mirrored.dot(geometric);
-    let least = R::splat(LEAST_RISE);
     // A ray that itself grazes the surface cannot leave more steeply than it came.
-    let least = least.min(-incident.dot(geometric));
-    let sinks = rise.lt(least);
-    if !sinks.any() {
+    let least = R::splat(LEAST_RISE).min(-incident.dot(geometric));
+    let rises = rise.ge(least);
+    if rises.all() {
         return shading;
     }
     let lifted = geometric.fma(least - rise, mirrored).normalized();
-    let bent = (lifted - incident).normalized();
-    Vector3::select(sinks, bent, shading)
+    let halfway = lifted - incident;
+    let bent = halfway.normalized();
+    // Below a millionth the difference of two unit vectors is all rounding.
+    let usable =
+        halfway.length_squared().gt(R::splat(1e-12)) & reflect(incident, bent).dot(geometric).ge(least * R::splat(0.5));
+    Vector3::select(rises, shading, Vector3::select(usable, bent, geometric))
 }
 
 /// A refracted direction bent just far enough that it sinks below the surface by [`LEAST_RISE`]; one that does so
-/// already comes back to the bit. `geometric` faces the incident side.
+/// already comes back to the bit. `geometric` faces the incident side. What is not a number comes back as straight
+/// down.
 #[inline(always)]
 pub fn below_surface<R: Real>(refracted: Vector3<R>, geometric: Vector3<R>) -> Vector3<R> {
     let rise = refracted.dot(geometric);
     let least = R::splat(-LEAST_RISE);
-    let stays = rise.gt(least);
-    if !stays.any() {
+    let sinks = rise.le(least);
+    if sinks.all() {
         return refracted;
     }
     let lowered = geometric.fma(least - rise, refracted).normalized();
-    Vector3::select(stays, lowered, refracted)
+    let usable = lowered.dot(geometric).lt(R::zero());
+    Vector3::select(sinks, refracted, Vector3::select(usable, lowered, -geometric))
 }

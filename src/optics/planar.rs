@@ -1,0 +1,53 @@
+//! Reflection in a plane as a matrix.
+
+use crate::math::{Real, Vector3};
+
+/// The affine map that mirrors space in a plane: three rows of four, the last row `0 0 0 1` left out.
+///
+/// As the slides on mirrors have it: `1 - 2 V V^T`, and `2 (P . V) V` in the fourth column, for the plane through the
+/// point `P` with the normal `V`. They do not say that `V` must be of unit length; with any other it scales as well,
+/// which is why [`PlanarReflection::new`] makes it one. (Where a plane is given as `V . x = d`, the column is `2 d V`.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanarReflection<R> {
+    /// Rows of the matrix; a point is the column `(x, y, z, 1)`, a direction `(x, y, z, 0)`.
+    pub rows: [[R; 4]; 3],
+}
+
+impl<R: Real> PlanarReflection<R> {
+    /// The mirror through `point` across `normal`, of any length but 0. A normal without a usable length (zero, or
+    /// one whose square is not a number above 0) mirrors nothing: the identity.
+    #[must_use]
+    pub fn new(point: Vector3<R>, normal: Vector3<R>) -> Self {
+        let length2 = normal.length_squared();
+        let usable = length2.gt(R::zero()) & length2.lt(R::splat(f64::INFINITY));
+        let v = Vector3::select(usable, normal.normalized(), Vector3::all(R::zero()));
+        let two = R::splat(2.0);
+        let shift = two * point.dot(v);
+        let row = |i: usize, a: R| {
+            let mut row = [-(two * a * v.x), -(two * a * v.y), -(two * a * v.z), shift * a];
+            row[i] = row[i] + R::one();
+            row
+        };
+        Self { rows: [row(0, v.x), row(1, v.y), row(2, v.z)] }
+    }
+
+    /// Where the mirror image of a point is.
+    #[inline(always)]
+    #[must_use]
+    pub fn point(&self, p: Vector3<R>) -> Vector3<R> {
+        self.map(|[x, y, z, w]| z.fma(p.z, y.fma(p.y, x.fma(p.x, w))))
+    }
+
+    /// Where the mirror image of a direction points: [`super::reflect`], as a matrix.
+    #[inline(always)]
+    #[must_use]
+    pub fn direction(&self, d: Vector3<R>) -> Vector3<R> {
+        self.map(|[x, y, z, _]| z.fma(d.z, y.fma(d.y, x * d.x)))
+    }
+
+    #[inline(always)]
+    fn map(&self, row: impl Fn([R; 4]) -> R) -> Vector3<R> {
+        let [x, y, z] = self.rows;
+        Vector3::new(row(x), row(y), row(z))
+    }
+}

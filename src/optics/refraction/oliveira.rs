@@ -1,0 +1,59 @@
+//! Refraction by a vector sum.
+
+use super::{Boundary, Crossing, Refracted, RefractionFormula, RefractionModel};
+use crate::math::{Real, Vector3};
+
+/// Oliveira's approximation, as the textbook section has it (equation 6.28): `t = i - c n`, normalised, with a
+/// constant `c` for a medium entered from air; `tan(th_t) = sin(th_i) / (cos(th_i) + c)`.
+///
+/// The book's "somewhere around 1.0" for water ([`Oliveira::AS_PRINTED`]) is exactly half the angle of incidence, 7.1
+/// degrees off at 30 and 10.6 at 60. [`Oliveira::first_order`] is exact at small angles (0.6 degrees off at 30, 5.6 at
+/// 60); [`Oliveira::WATER`] and [`Oliveira::GLASS`] have the least largest error up to 60 degrees, 1.4.
+///
+/// It knows the indices only by which is the larger. `c` is for the way into the denser medium; on the way out, of
+/// which the book does not speak, this takes `-c / (1 + c)`, which undoes it at small angles, and calls total what
+/// that would turn back to the incident side. Equal indices leave `incident` as it is, to the bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oliveira {
+    /// The constant for entering; above -1. Around 0.3 to 1.5, growing with the index ratio.
+    pub c: f64,
+}
+
+impl Oliveira {
+    /// The book's constant for water: the refracted angle is half the angle of incidence.
+    pub const AS_PRINTED: Self = Self { c: 1.0 };
+    /// Least largest error up to 60 degrees for index 1.33: 1.43 degrees.
+    pub const WATER: Self = Self { c: 0.46 };
+    /// Least largest error up to 60 degrees for index 1.5: 1.38 degrees.
+    pub const GLASS: Self = Self { c: 0.6645 };
+
+    /// `n2 / n1 - 1`: exact to first order in the angle, on the way from index `n1` into the denser `n2`.
+    #[must_use]
+    pub fn first_order(n1: f64, n2: f64) -> Self {
+        Self { c: n2 / n1 - 1.0 }
+    }
+}
+
+impl RefractionFormula for Oliveira {
+    const MODEL: RefractionModel = RefractionModel::Oliveira;
+
+    #[inline(always)]
+    fn refract<R: Real>(
+        self,
+        boundary: &Boundary<R>,
+        incident: Vector3<R>,
+        normal: Vector3<R>,
+        at: &Crossing<R>,
+    ) -> Refracted<R> {
+        let zero = R::zero();
+        let leaving = boundary.kc.gt(zero);
+        let c = R::select(leaving, R::splat(-self.c / (1.0 + self.c)), R::splat(self.c));
+        let sum = (-normal).fma(c, incident);
+        let length2 = sum.length_squared();
+        // `c` = -1 head on leaves no direction at all.
+        let as_it_was = boundary.kc.eq(zero) | length2.le(zero);
+        let length = R::select(as_it_was, R::one(), length2.sqrt());
+        let direction = Vector3::select(as_it_was, incident, sum * (R::one() / length));
+        Refracted { direction, total: (at.cos_i + c).le(zero) & !as_it_was }
+    }
+}
