@@ -1,0 +1,17 @@
+//! Promise: the optics are as accurate as they say, in both directions through a boundary, one lane as eight.
+//!
+//! Every bound holds against a double-double oracle (about 32 digits) that evaluates the textbook equations on the same
+//! `f32` inputs. `cargo test --test optics -- --nocapture` prints what was measured.
+
+mod absorption;
+mod approximations;
+mod errata;
+mod fresnel;
+mod fresnel_accuracy;
+mod lanes;
+mod metals;
+mod normals;
+mod oracle;
+mod reflection;
+mod refraction;
+mod sample;
