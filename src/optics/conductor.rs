@@ -10,8 +10,8 @@ pub fn conductor_at_normal<R: Real>(eta: R, k: R) -> R {
     less.fma(less, k2) / more.fma(more, k2)
 }
 
-/// Schlick's approximation with a metal's reflectance at normal incidence. Off the Fresnel equations by up to 0.007
-/// (silver), 0.025 (gold), 0.041 (copper), 0.092 (aluminium) and 0.197 (chromium).
+/// Schlick's approximation with a metal's reflectance at normal incidence. Off the Fresnel equations, most around
+/// 80 degrees, by up to 0.01 (silver), 0.02 (gold), 0.04 (copper), 0.1 (aluminium) and 0.2 (chromium).
 #[inline(always)]
 pub fn conductor_schlick<R: Real>(cos_i: R, eta: R, k: R) -> R {
     super::fresnel::schlick(conductor_at_normal(eta, k), cos_i)
