@@ -187,7 +187,8 @@ fn equal_indices_bend_nothing_to_the_bit() {
 
 #[test]
 fn thirty_degrees_into_glass_and_out_of_it_are_the_textbook_angles() {
-    let angle = |f: fn(f64, f64, Vector3<f32>, Vector3<f32>) -> Option<Vector3<f32>>, n1, n2| {
+    type Formula = fn(f64, f64, Vector3<f32>, Vector3<f32>) -> Option<Vector3<f32>>;
+    let angle = |f: Formula, n1, n2| {
         let (s, c) = 30.0_f64.to_radians().sin_cos();
         let t = f(n1, n2, Vector3::new(s as f32, 0.0, -c as f32), Vector3::new(0.0, 0.0, 1.0));
         t.map(|t| f64::from(t.x).atan2(f64::from(-t.z)).to_degrees())
