@@ -1,5 +1,20 @@
 //! Pictures: the film, and reading, writing and comparing them.
 
+mod compare;
+mod encode;
+mod exr;
 mod film;
+mod format;
+mod hdr;
+mod pfm;
+mod png;
+mod read;
+mod ssim;
+mod write;
 
+pub use compare::{Comparison, Worst, compare, difference};
+pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
 pub use film::Film;
+pub use format::{Bits, Encoded, Encoding, Format, encode};
+pub use read::{Limits, Picture, ReadOptions, read};
+pub use write::{Destination, discard_unfinished};

@@ -1,0 +1,89 @@
+//! OpenEXR: linear samples as they are, with settings as attributes.
+
+use std::io::Cursor;
+
+use ::exr::meta::MetaData;
+use ::exr::prelude::{
+    AttributeValue, Encoding, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, SpecificChannels, Text, Vec2,
+    WritableImage,
+};
+
+use super::format::cannot_hold;
+use super::{Clipped, Encoded, Film, Format};
+use crate::Result;
+
+/// Three binary32 channels, losslessly packed, in the order of the rows.
+pub(super) fn encode(film: &Film, metadata: &[(String, String)]) -> Result<Encoded> {
+    let mut clipped = Clipped::default();
+    film.pixels.as_flattened().iter().for_each(|&x| clipped.note(x));
+
+    let mut attributes = LayerAttributes::default();
+    for (name, value) in metadata {
+        let text = Text::new_or_none(value).unwrap_or_else(|| Text::new_or_panic(value.escape_default().to_string()));
+        attributes.other.insert(Text::new_or_panic(name), AttributeValue::Text(text));
+    }
+    let channels = SpecificChannels::rgb(|Vec2(x, y)| {
+        let [r, g, b] = film.at(x as u32, y as u32);
+        (r, g, b)
+    });
+    let size = (film.width as usize, film.height as usize);
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
+    let mut bytes = Vec::new();
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(Cursor::new(&mut bytes))
+        .map_err(|e| cannot_hold(film, Format::Exr, e))?;
+    Ok(Encoded { bytes, clipped })
+}
+
+/// Columns and rows of the largest layer, from the header alone.
+pub(super) fn size(bytes: &[u8]) -> std::result::Result<(u32, u32), String> {
+    let meta = MetaData::read_from_buffered(bytes, true).map_err(|e| e.to_string())?;
+    let mut largest = Vec2(0, 0);
+    for header in &meta.headers {
+        if header.deep {
+            return Err(String::from("it holds deep data, which is not read"));
+        }
+        if header.channels.list.len() > 64 {
+            return Err(format!("it has {} channels; up to 64 are read", header.channels.list.len()));
+        }
+        if header.layer_size.area() >= largest.area() {
+            largest = header.layer_size;
+        }
+    }
+    let edge = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
+    Ok((edge(largest.x()), edge(largest.y())))
+}
+
+/// The first layer's `R`, `G` and `B`, or its `Y` alone, and whether there was an alpha channel to leave out.
+pub(super) fn decode(bytes: &[u8]) -> std::result::Result<(Film, bool), String> {
+    let image = ::exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|e| e.to_string())?;
+    let layer = &image.layer_data;
+    let Vec2(width, height) = layer.size;
+    let channels = &layer.channel_data.list;
+    let samples = |name: &str| -> Option<Vec<f32>> {
+        let channel = channels.iter().find(|c| c.name.eq_case_insensitive(name))?;
+        let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
+        (samples.len() == width * height).then_some(samples)
+    };
+    let colours = match (samples("R"), samples("G"), samples("B")) {
+        (Some(r), Some(g), Some(b)) => [r, g, b],
+        _ => match samples("Y") {
+            Some(y) => [y.clone(), y.clone(), y],
+            None => return Err(String::from("it has neither channels R, G and B in full resolution nor a channel Y")),
+        },
+    };
+    let [r, g, b] = colours;
+    let pixels = r.into_iter().zip(g).zip(b).map(|((r, g), b)| [r, g, b]).collect();
+    let alpha = channels.iter().any(|c| c.name.eq_case_insensitive("A"));
+    Ok((Film { width: width as u32, height: height as u32, pixels }, alpha))
+}

@@ -1,0 +1,110 @@
+//! PNG: sRGB codes of 8 or 16 bits, with settings in text chunks.
+
+use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRenderingIntent, Transformations};
+
+use super::format::cannot_hold;
+use super::{Bits, Clipped, Encoded, Film, Format, linear_from_srgb};
+use crate::Result;
+
+/// RGB without alpha, marked as sRGB.
+pub(super) fn encode(film: &Film, bits: Bits, metadata: &[(String, String)]) -> Result<Encoded> {
+    let mut clipped = Clipped::default();
+    let samples = film.pixels.as_flattened();
+    let (depth, codes): (_, Vec<u8>) = match bits {
+        Bits::Eight => (BitDepth::Eight, samples.iter().map(|&x| clipped.code(x, 255) as u8).collect()),
+        Bits::Sixteen => {
+            (BitDepth::Sixteen, samples.iter().flat_map(|&x| clipped.code(x, 65535).to_be_bytes()).collect())
+        }
+    };
+    let mut bytes = Vec::new();
+    let mut write = || -> std::result::Result<(), ::png::EncodingError> {
+        let mut encoder = Encoder::new(&mut bytes, film.width, film.height);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(depth);
+        encoder.set_compression(Compression::Balanced);
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        for (name, value) in metadata {
+            // tEXt is Latin-1 in the standard but ASCII in practice; iTXt is UTF-8.
+            if value.is_ascii() {
+                encoder.add_text_chunk(name.clone(), value.clone())?;
+            } else {
+                encoder.add_itxt_chunk(name.clone(), value.clone())?;
+            }
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&codes)?;
+        writer.finish()
+    };
+    write().map_err(|e| cannot_hold(film, Format::Png, e))?;
+    Ok(Encoded { bytes, clipped })
+}
+
+/// A PNG whose header has been read, so that its size can be judged before its pixels are.
+pub(super) struct Header<'a> {
+    reader: ::png::Reader<std::io::Cursor<&'a [u8]>>,
+}
+
+/// Reads up to the pixels.
+pub(super) fn header(bytes: &[u8]) -> std::result::Result<Header<'_>, String> {
+    let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
+    let reader = decoder.read_info().map_err(|e| e.to_string())?;
+    Ok(Header { reader })
+}
+
+impl Header<'_> {
+    /// Columns and rows.
+    pub fn size(&self) -> (u32, u32) {
+        (self.reader.info().width, self.reader.info().height)
+    }
+
+    /// The pixels, in linear light, and whether there was an alpha channel to leave out.
+    pub fn decode(mut self, linear: bool) -> std::result::Result<(Film, bool), String> {
+        let (width, height) = self.size();
+        let transfer = if linear { Transfer::Power(1.0) } else { Transfer::of(self.reader.info()) };
+        let mut codes = vec![0; self.reader.output_buffer_size().ok_or("it is too large")?];
+        let frame = self.reader.next_frame(&mut codes).map_err(|e| e.to_string())?;
+        codes.truncate(frame.buffer_size());
+        let channels = frame.color_type.samples();
+        let (max, codes) = match frame.bit_depth {
+            BitDepth::Sixteen => (65535_u16, codes.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect()),
+            _ => (255, codes.into_iter().map(u16::from).collect::<Vec<_>>()),
+        };
+        let table: Vec<f32> = (0..=max).map(|code| transfer.linear(f64::from(code) / f64::from(max)) as f32).collect();
+        let pixels = codes
+            .chunks_exact(channels)
+            .map(|p| if channels < 3 { [p[0]; 3] } else { [p[0], p[1], p[2]] }.map(|code| table[usize::from(code)]))
+            .collect();
+        Ok((Film { width, height, pixels }, channels % 2 == 0))
+    }
+}
+
+/// How codes stand for light.
+enum Transfer {
+    Srgb,
+    /// Light is the code to this power.
+    Power(f64),
+}
+
+impl Transfer {
+    /// An sRGB chunk or colour profile means sRGB (profiles are not evaluated), a lone gAMA chunk the power it names,
+    /// and nothing at all sRGB. gAMA 0.45455 is the standard's own stand-in for sRGB, and what most programs that
+    /// write it mean.
+    fn of(info: &Info) -> Self {
+        let gamma = info.gama_chunk.map(|g| g.into_scaled());
+        match gamma {
+            _ if info.srgb.is_some() || info.icc_profile.is_some() => Self::Srgb,
+            None | Some(0 | 45_000..=46_000) => Self::Srgb,
+            Some(scaled) => Self::Power(100_000.0 / f64::from(scaled)),
+        }
+    }
+
+    fn linear(&self, x: f64) -> f64 {
+        match *self {
+            Self::Srgb => linear_from_srgb(x),
+            Self::Power(1.0) => x,
+            Self::Power(power) => x.powf(power),
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Files that are whole or not there at all.
+
+use std::fs::{File, Metadata, OpenOptions, Permissions};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::{Error, Result};
+
+/// The temporary file that a write is busy with, for [`discard_unfinished`].
+static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary file of a write that is under way, for a process about to exit in its middle.
+pub fn discard_unfinished() {
+    if let Some(path) = unfinished().take() {
+        // Nothing is left to tell where this fails: the process is on its way out.
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// A place for a file, found fit to be written.
+#[derive(Clone, Debug)]
+pub struct Destination {
+    /// As the user named it.
+    name: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// A regular file, there or not, with symbolic links followed.
+    File { path: PathBuf, permissions: Option<Permissions> },
+    /// A device or pipe, which cannot be replaced by renaming.
+    Stream,
+}
+
+impl Destination {
+    /// Looks at `name` and its folder, so that a long job fails before it starts and not at its end.
+    ///
+    /// # Errors
+    /// Io: the folder is missing or may not be written to; `name` is a folder or a read-only file.
+    pub fn new(name: &Path) -> Result<Self> {
+        let refuse = |kind: io::ErrorKind, why: &str| Error::io(name, "write", io::Error::new(kind, why));
+        let system = |e| Error::io(name, "write", e);
+        if name.file_name().is_none() {
+            return Err(refuse(io::ErrorKind::IsADirectory, "it names a folder, not a file"));
+        }
+        let there = match std::fs::metadata(name) {
+            Ok(metadata) => Some(metadata),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+            Err(e) => return Err(system(e)),
+        };
+        let kind = match there {
+            Some(m) if m.is_dir() => return Err(refuse(io::ErrorKind::IsADirectory, "it is a folder")),
+            Some(m) if !m.is_file() => Kind::Stream,
+            Some(m) if m.permissions().readonly() => {
+                return Err(refuse(io::ErrorKind::PermissionDenied, "it is read-only"));
+            }
+            Some(m) => Kind::File {
+                path: std::fs::canonicalize(name).map_err(system)?,
+                permissions: Some(Metadata::permissions(&m)),
+            },
+            None => Kind::File { path: name.to_path_buf(), permissions: None },
+        };
+        let destination = Self { name: name.to_path_buf(), kind };
+        if let Kind::File { path, .. } = &destination.kind {
+            // The system is asked rather than its permission bits read: there are also full and read-only disks.
+            tempfile::tempfile_in(folder_of(path)).map_err(|e| match e.kind() {
+                io::ErrorKind::NotFound => refuse(io::ErrorKind::NotFound, "its folder does not exist"),
+                _ => system(without_path(e)),
+            })?;
+        }
+        Ok(destination)
+    }
+
+    /// The name as the user gave it.
+    #[must_use]
+    pub fn name(&self) -> &Path {
+        &self.name
+    }
+
+    /// Whether this is a device or pipe, to which bytes go at once and cannot be taken back.
+    #[must_use]
+    pub fn is_stream(&self) -> bool {
+        matches!(self.kind, Kind::Stream)
+    }
+
+    /// Puts `bytes` there: under a temporary name in the same folder, synced to the disk, then renamed. `proceed` is
+    /// asked right before the renaming; where it says no, nothing is left behind.
+    ///
+    /// # Errors
+    /// Io; `Interrupted`, where `proceed` says no. The file that was there, if any, is then still the old one.
+    pub fn write(&self, bytes: &[u8], proceed: impl FnOnce() -> bool) -> Result<()> {
+        let system = |e| Error::io(&self.name, "write", without_path(e));
+        let Kind::File { path, permissions } = &self.kind else {
+            if !proceed() {
+                return Err(Error::Interrupted);
+            }
+            let mut stream = OpenOptions::new().write(true).open(&self.name).map_err(system)?;
+            return stream.write_all(bytes).and_then(|()| stream.flush()).map_err(system);
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".vitrum-").suffix(".part");
+        #[cfg(unix)]
+        if permissions.is_none() {
+            // What any program would create, less the user's umask; `tempfile`'s own choice is 0600.
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        }
+        let mut file = {
+            // Locked across creation, so that there is no moment at which the file exists and is not known.
+            let mut unfinished = unfinished();
+            let file = builder.tempfile_in(folder_of(path)).map_err(system)?;
+            *unfinished = Some(file.path().to_path_buf());
+            file
+        };
+        let filled = fill(file.as_file_mut(), bytes, permissions.as_ref()).map_err(system);
+        let mut unfinished = unfinished();
+        // Taken from here on: after the renaming nothing must be removed, and before it the drop of `file` does it.
+        *unfinished = None;
+        filled?;
+        if !proceed() {
+            return Err(Error::Interrupted);
+        }
+        file.persist(path).map_err(|e| system(e.error))?;
+        Ok(())
+    }
+}
+
+fn fill(file: &mut File, bytes: &[u8], permissions: Option<&Permissions>) -> io::Result<()> {
+    file.write_all(bytes)?;
+    if let Some(permissions) = permissions {
+        file.set_permissions(permissions.clone())?;
+    }
+    file.sync_all()
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The system's error without the temporary name that `tempfile` adds to it.
+fn without_path(e: io::Error) -> io::Error {
+    let source = e.get_ref().and_then(|inner| inner.source()).and_then(|source| source.downcast_ref::<io::Error>());
+    match source.map(|source| (source.raw_os_error(), source.kind())) {
+        Some((Some(code), _)) => io::Error::from_raw_os_error(code),
+        Some((None, kind)) => kind.into(),
+        None => e,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_appears_whole_and_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        Destination::new(&path).unwrap().write(b"first", || true).unwrap();
+        Destination::new(&path).unwrap().write(b"second", || true).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"second");
+        assert_eq!(names_in(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_write_that_is_called_off_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, b"old").unwrap();
+        let refused = Destination::new(&path).unwrap().write(b"new", || false);
+        assert!(matches!(refused, Err(Error::Interrupted)));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(names_in(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn unfit_places_are_refused_before_anything_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let read_only = folder.path().join("read-only.png");
+        std::fs::write(&read_only, b"").unwrap();
+        let mut permissions = std::fs::metadata(&read_only).unwrap().permissions();
+        permissions.set_readonly(true);
+        std::fs::set_permissions(&read_only, permissions).unwrap();
+        for path in [folder.path().to_path_buf(), folder.path().join("missing/a.png"), read_only, PathBuf::from("..")] {
+            let error = Destination::new(&path).unwrap_err();
+            assert_eq!(error.exit_code(), 3, "{error}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_modes_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (folder.path().join("real.png"), folder.path().join("link.png"));
+        std::fs::write(&real, b"old").unwrap();
+        std::fs::set_permissions(&real, Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink("real.png", &link).unwrap();
+        Destination::new(&link).unwrap().write(b"new", || true).unwrap();
+        assert_eq!(std::fs::read(&real).unwrap(), b"new");
+        assert_eq!(std::fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
+        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_device_is_an_error_and_stays_a_device() {
+        let full = Destination::new(Path::new("/dev/full")).unwrap();
+        assert!(full.is_stream());
+        assert_eq!(full.write(b"x", || true).unwrap_err().exit_code(), 3);
+        assert!(!std::fs::metadata("/dev/full").unwrap().is_file());
+    }
+}
