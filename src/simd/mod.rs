@@ -2,7 +2,7 @@
 //! portable twin. This room knows nothing of rays.
 
 mod f32x8;
-
+pub mod level;
 mod mask8;
 
 pub use f32x8::F32x8;
