@@ -34,7 +34,34 @@ pub(super) fn encode(film: &Film, metadata: &[(String, String)]) -> Result<Encod
         .non_parallel()
         .to_buffered(Cursor::new(&mut bytes))
         .map_err(|e| cannot_hold(film, Format::Exr, e))?;
+    sort_attributes(&mut bytes);
     Ok(Encoded { bytes, clipped })
+}
+
+/// Puts the attributes of a one-part file in the order of their names. `exr` keeps them in a hash map of random order,
+/// and the same picture is to be the same bytes.
+///
+/// After 8 bytes of magic number and version, an attribute is its name and its type, each ended by a zero, the length
+/// of its value in 4 bytes, and its value; a zero ends them all (OpenEXR file layout, "Header").
+fn sort_attributes(bytes: &mut [u8]) {
+    let text_end = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|n| from + n + 1);
+    let attribute_end = |from: usize| -> Option<usize> {
+        let value = text_end(text_end(from)?)?;
+        let length = bytes.get(value..value + 4)?.try_into().ok().map(u32::from_le_bytes)?;
+        Some(value + 4 + length as usize).filter(|&end| end < bytes.len())
+    };
+    let start = 8;
+    let mut end = start;
+    let mut attributes = Vec::new();
+    while bytes.get(end).is_some_and(|&b| b != 0) {
+        let Some(next) = attribute_end(end) else {
+            return;
+        };
+        attributes.push(bytes[end..next].to_vec());
+        end = next;
+    }
+    attributes.sort();
+    bytes[start..end].copy_from_slice(&attributes.concat());
 }
 
 /// Columns and rows of the largest layer, from the header alone.
@@ -86,4 +113,25 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<(Film, bool), String> 
     let pixels = r.into_iter().zip(g).zip(b).map(|((r, g), b)| [r, g, b]).collect();
     let alpha = channels.iter().any(|c| c.name.eq_case_insensitive("A"));
     Ok((Film { width: width as u32, height: height as u32, pixels }, alpha))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_picture_is_the_same_bytes_with_its_attributes_in_order() {
+        let film = Film::new(3, 2);
+        let metadata: Vec<_> = (0..9).map(|i| (format!("vitrum:{i}"), format!("value {i}"))).collect();
+        let first = encode(&film, &metadata).unwrap().bytes;
+        for _ in 0..8 {
+            assert!(encode(&film, &metadata).unwrap().bytes == first);
+        }
+        let meta = MetaData::read_from_buffered(first.as_slice(), true).unwrap();
+        assert_eq!(meta.headers[0].own_attributes.other.len(), 9);
+        let name = |i: usize| format!("vitrum:{i}\0").into_bytes();
+        let place = |i: usize| first.windows(9).position(|w| w == name(i)).unwrap();
+        assert!((1..9).all(|i| place(i - 1) < place(i)));
+        assert_eq!(decode(&first).unwrap().0, film);
+    }
 }
