@@ -31,6 +31,7 @@
 //! ```
 
 pub mod accel;
+pub mod cli;
 pub mod error;
 pub mod geometry;
 pub mod image;

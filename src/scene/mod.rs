@@ -14,7 +14,7 @@ pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Ma
 pub use settings::{Settings, ShadowRule};
 pub use texture::Texture;
 
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Shape};
 
 /// Linear red, green and blue; radiance or a factor as its place says.
 pub type Rgb = glam::Vec3;
@@ -42,6 +42,33 @@ pub struct Scene {
     pub camera: Camera,
     /// How the picture is taken.
     pub settings: Settings,
+}
+
+/// How many primitives of each kind a scene holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShapeCounts {
+    /// Triangles of all meshes.
+    pub triangles: u64,
+    /// Analytic spheres.
+    pub spheres: u64,
+    /// Infinite planes.
+    pub planes: u64,
+}
+
+impl Scene {
+    /// How many primitives of each kind there are, hittable or not.
+    #[must_use]
+    pub fn shape_counts(&self) -> ShapeCounts {
+        let mut counts = ShapeCounts::default();
+        for geometry in &self.geometry {
+            match &geometry.shape {
+                Shape::Mesh(mesh) => counts.triangles += mesh.triangles.len() as u64,
+                Shape::Sphere(_) => counts.spheres += 1,
+                Shape::Plane(_) => counts.planes += 1,
+            }
+        }
+        counts
+    }
 }
 
 /// One shape's place in the scene.

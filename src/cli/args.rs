@@ -1,0 +1,242 @@
+//! What may be typed, and the help for it. Values are checked one by one here, against each other in [`super::options`].
+
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+
+use crate::simd::level;
+
+static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
+
+/// A SIMD packet ray tracer: exact refraction and reflection.
+#[derive(Debug, Parser)]
+#[command(name = "vitrum", version = VERSION.as_str(), arg_required_else_help = true, subcommand_required = true)]
+#[command(after_help = "Exit codes:
+  0    done
+  1    a comparison came out negative
+  2    wrong input or usage
+  3    reading or writing failed
+  4    a limit, or a missing back end
+  130  interrupted
+
+`vitrum COMMAND --help` has examples.")]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    Render(RenderArgs),
+    Compare(CompareArgs),
+}
+
+/// Render a scene file or an OBJ model to a picture.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum render scenes/glass.toml -o glass.png
+  vitrum render bunny.obj --width 800 --height 600 --samples 3
+  vitrum render scenes/glass.toml -o glass.exr --depth 40 --cutoff 0
+  vitrum render scenes/glass.toml -o reference.exr --backend reference
+  vitrum render scenes/glass.toml --quiet --json > summary.json
+
+The same command gives the same bytes for any number of threads and any tile size.
+The summary goes to standard error, --json to standard output.")]
+pub(super) struct RenderArgs {
+    /// Scene (.toml) or model (.obj)
+    pub scene: PathBuf,
+
+    /// Picture to write: .png, .exr, .hdr or .pfm [default: the scene's name with .png, in this folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+
+    /// Columns of the picture
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536), help_heading = "Picture")]
+    pub width: Option<u32>,
+
+    /// Rows of the picture
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536), help_heading = "Picture")]
+    pub height: Option<u32>,
+
+    /// N by N rays a pixel; 1 is its centre
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Picture")]
+    pub samples: Option<u32>,
+
+    /// Bits of a PNG's samples [default: 8]
+    #[arg(long, value_enum, help_heading = "Picture")]
+    pub bits: Option<BitsArg>,
+
+    /// Multiply all colours by 2 to the power EV
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_negative_numbers = true, help_heading = "Picture")]
+    pub exposure: Option<f32>,
+
+    /// How often a ray may reflect or refract
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=4096), help_heading = "Light")]
+    pub depth: Option<u32>,
+
+    /// End rays whose weight is below this, 0 to 1
+    #[arg(long, value_name = "WEIGHT", value_parser = cutoff, allow_negative_numbers = true, help_heading = "Light")]
+    pub cutoff: Option<f32>,
+
+    /// Formula that splits light at a surface
+    #[arg(long, value_enum, default_value_t = FresnelArg::Exact, help_heading = "Light")]
+    pub fresnel: FresnelArg,
+
+    /// What transparent surfaces do to shadows [default: as the scene says]
+    #[arg(long, value_enum, help_heading = "Light")]
+    pub shadows: Option<ShadowsArg>,
+
+    /// What traces the rays
+    #[arg(long, value_enum, default_value_t = BackendArg::Native, help_heading = "Machine")]
+    pub backend: BackendArg,
+
+    /// Worker threads [default: one a processor]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Machine")]
+    pub threads: Option<u32>,
+
+    /// Edge of the squares that threads work on, in pixels
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=1024), default_value_t = 32,
+        help_heading = "Machine")]
+    pub tile: u32,
+
+    /// Make every warning, and everything dropped or clamped, an error
+    #[arg(long, help_heading = "Reports")]
+    pub strict: bool,
+
+    /// Print the summary as JSON on standard output
+    #[arg(long, help_heading = "Reports")]
+    pub json: bool,
+
+    /// No progress bar, no warnings and no summary
+    #[arg(short, long, help_heading = "Reports")]
+    pub quiet: bool,
+}
+
+/// Compare two pictures of the same size.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum compare ours.exr theirs.exr
+  vitrum compare ours.png theirs.png --tolerance 0.0005 --allow-share 0.001
+  vitrum compare ours.exr theirs.exr --diff difference.png
+
+Differences are of linear light; PSNR and SSIM are of the pictures as a screen
+shows them. Exits 1 when more pixels than allowed exceed a given --tolerance.")]
+pub(super) struct CompareArgs {
+    /// A picture: PNG, OpenEXR, Radiance HDR, PFM or JPEG
+    pub a: PathBuf,
+
+    /// Another one
+    pub b: PathBuf,
+
+    /// Largest difference of a channel that passes [default: 1/255, for the count alone]
+    #[arg(long, value_name = "LIGHT", value_parser = not_negative, allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+
+    /// Share of pixels that may exceed the tolerance, 0 to 1
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true, requires = "tolerance", default_value_t = 0.0)]
+    pub allow_share: f64,
+
+    /// Picture of the absolute differences to write
+    #[arg(long, value_name = "FILE")]
+    pub diff: Option<PathBuf>,
+
+    /// Factor on the differences in that picture [default: the largest becomes 1]
+    #[arg(long, value_name = "FACTOR", value_parser = not_negative, allow_negative_numbers = true, requires = "diff")]
+    pub diff_scale: Option<f64>,
+
+    /// Take the codes of PNG and JPEG as linear light, whatever the files say
+    #[arg(long)]
+    pub linear: bool,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Print nothing but errors; the exit code tells
+    #[arg(short, long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum BitsArg {
+    #[value(name = "8")]
+    Eight,
+    #[value(name = "16")]
+    Sixteen,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum FresnelArg {
+    /// The Fresnel equations
+    Exact,
+    /// Schlick's approximation
+    Schlick,
+    /// The reflectance at normal incidence for every angle
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ShadowsArg {
+    /// They block light
+    Opaque,
+    /// Light goes straight through, weakened
+    Straight,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum BackendArg {
+    /// Our own eight-wide hierarchy
+    Native,
+    /// The f64 renderer: slow, obvious, the arbiter
+    Reference,
+    /// Embree, where built in
+    Embree,
+}
+
+fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| String::from("not a number"))
+}
+
+fn cutoff(text: &str) -> Result<f32, String> {
+    let x: f32 = number(text)?;
+    if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    let x: f32 = number(text)?;
+    if (-64.0..=64.0).contains(&x) { Ok(x) } else { Err(String::from("not in -64 to 64")) }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let x: f64 = number(text)?;
+    if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let x: f64 = number(text)?;
+    if x >= 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number of at least 0")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_of_the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        for text in ["nan", "inf", "-0.1", "1.5", "", "a"] {
+            assert!(cutoff(text).is_err(), "{text}");
+            assert!(share(text).is_err(), "{text}");
+        }
+        assert!(exposure("nan").is_err() && exposure("65").is_err());
+        assert!(not_negative("inf").is_err() && not_negative("-1e-9").is_err());
+        assert_eq!((cutoff("0"), exposure("-2"), not_negative("5e-4")), (Ok(0.0), Ok(-2.0), Ok(5e-4)));
+    }
+}

@@ -1,0 +1,54 @@
+//! Ctrl-C, and the system's own wish that the program ended.
+//!
+//! The first one asks the render to stop, which it does between packets; whatever still runs after [`PATIENCE`] is
+//! ended from outside. The second one, and any outside a render, ends the program at once. Neither leaves a file behind.
+
+use std::process::exit;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use super::output;
+use crate::image::discard_unfinished;
+use crate::render::Observer;
+use crate::{Error, Result};
+
+/// How long the program may take to end by itself.
+const PATIENCE: Duration = Duration::from_millis(800);
+
+/// Whether the work under way looks at [`Observer::stop`].
+static HEEDED: AtomicBool = AtomicBool::new(false);
+
+/// Has Ctrl-C set `observer.stop`.
+///
+/// # Errors
+/// A limit, where the system does not let the program listen.
+pub(super) fn listen(observer: &Arc<Observer>) -> Result<()> {
+    let observer = Arc::clone(observer);
+    let on_signal = move || {
+        let again = observer.stop.swap(true, Ordering::SeqCst);
+        if again || !HEEDED.load(Ordering::SeqCst) {
+            leave();
+        }
+        thread::spawn(|| {
+            thread::sleep(PATIENCE);
+            leave();
+        });
+    };
+    ctrlc::set_handler(on_signal).map_err(|e| Error::Limit(format!("cannot listen for Ctrl-C: {e}")))
+}
+
+/// Runs `work`, which looks at [`Observer::stop`].
+pub(super) fn heeded<T>(work: impl FnOnce() -> T) -> T {
+    HEEDED.store(true, Ordering::SeqCst);
+    let result = work();
+    HEEDED.store(false, Ordering::SeqCst);
+    result
+}
+
+fn leave() -> ! {
+    discard_unfinished();
+    output::log(&format!("error: {}", Error::Interrupted));
+    exit(i32::from(Error::Interrupted.exit_code()))
+}

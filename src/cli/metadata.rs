@@ -1,0 +1,46 @@
+//! What a picture file says of its own making: what decided its pixels, and nothing that varies from run to run.
+
+use super::options::{Backend, Exposure};
+use crate::optics::FresnelModel;
+use crate::scene::{Settings, ShadowRule};
+use crate::simd::level;
+
+/// Names and values for a picture file.
+pub(super) fn of(
+    settings: &Settings,
+    fresnel: FresnelModel,
+    backend: Backend,
+    exposure: Exposure,
+) -> Vec<(String, String)> {
+    [
+        ("Software", format!("Vitrum {}", env!("CARGO_PKG_VERSION"))),
+        ("vitrum:backend", backend.name().into()),
+        ("vitrum:simd", level::BUILT.into()),
+        ("vitrum:samples", settings.samples.to_string()),
+        ("vitrum:depth", settings.max_depth.to_string()),
+        ("vitrum:cutoff", settings.cutoff.to_string()),
+        ("vitrum:fresnel", fresnel_name(fresnel).into()),
+        ("vitrum:shadows", shadows_name(settings.shadows).into()),
+        ("vitrum:exposure", exposure.ev.to_string()),
+    ]
+    .into_iter()
+    .map(|(name, value)| (name.to_owned(), value))
+    .collect()
+}
+
+/// The name of a Fresnel formula, as the command line has it.
+pub(super) fn fresnel_name(model: FresnelModel) -> &'static str {
+    match model {
+        FresnelModel::Exact => "exact",
+        FresnelModel::Schlick => "schlick",
+        FresnelModel::Off => "off",
+    }
+}
+
+/// The name of a shadow rule, as the command line has it.
+pub(super) fn shadows_name(rule: ShadowRule) -> &'static str {
+    match rule {
+        ShadowRule::Opaque => "opaque",
+        ShadowRule::Straight => "straight",
+    }
+}

@@ -1,0 +1,58 @@
+//! The command line: one file per subcommand, flags in [`args`] and [`options`] alone.
+
+mod args;
+mod backend;
+mod compare;
+mod interrupt;
+mod metadata;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod summary;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+use crate::Result;
+use args::{Cli, Command};
+
+/// How a command that met no error ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// Done, or a check that came out well.
+    Done,
+    /// A comparison or check that came out negative.
+    Negative,
+}
+
+/// Runs the program on the process's own arguments. An error is one line on standard error; the exit code is
+/// [`crate::Error::exit_code`].
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Also the way of `--help` and `--version`, whose reader may have gone.
+            let _ = e.print();
+            return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
+        }
+    };
+    match run(cli) {
+        Ok(Verdict::Done) => ExitCode::SUCCESS,
+        Ok(Verdict::Negative) => ExitCode::from(1),
+        Err(e) => {
+            output::log(&format!("error: {e}"));
+            ExitCode::from(e.exit_code())
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<Verdict> {
+    match cli.command {
+        Command::Render(args) => render::run(options::Render::try_from(args)?),
+        Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
+    }
+}

@@ -1,0 +1,254 @@
+//! The command line as types, checked as a whole: past this point there are no flags.
+
+use std::path::{Path, PathBuf};
+
+use super::args::{BackendArg, BitsArg, CompareArgs, FresnelArg, RenderArgs, ShadowsArg};
+use crate::image::{Bits, Destination, Format};
+use crate::optics::FresnelModel;
+use crate::scene::{Settings, ShadowRule};
+use crate::{Error, Result, render};
+
+/// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
+const MOST_PIXELS: u64 = 1 << 27;
+
+/// What traces rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Backend {
+    /// The eight-wide hierarchy, in `f32`.
+    Native,
+    /// The scalar renderer in `f64`.
+    Reference,
+}
+
+impl Backend {
+    /// The name in reports and metadata.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Native => "native",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// A picture to be rendered.
+#[derive(Debug)]
+pub(super) struct Render {
+    pub scene: PathBuf,
+    pub output: Destination,
+    pub format: Format,
+    pub bits: Bits,
+    /// Factor on all colours.
+    pub exposure: Exposure,
+    pub overrides: Overrides,
+    pub backend: Backend,
+    pub options: render::Options,
+    /// Makes every oddity an error.
+    pub strict: bool,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+/// A factor on all colours, `2^ev`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Exposure {
+    pub ev: f32,
+}
+
+impl Exposure {
+    /// The factor itself.
+    pub fn factor(self) -> f32 {
+        self.ev.exp2()
+    }
+}
+
+/// Settings of the scene that the command line replaces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Overrides {
+    width: Option<u32>,
+    height: Option<u32>,
+    samples: Option<u32>,
+    depth: Option<u32>,
+    cutoff: Option<f32>,
+    shadows: Option<ShadowRule>,
+}
+
+impl Overrides {
+    /// Replaces what was given.
+    ///
+    /// # Errors
+    /// A limit, where the picture is then too large.
+    pub fn apply(&self, settings: &mut Settings) -> Result<()> {
+        settings.width = self.width.unwrap_or(settings.width);
+        settings.height = self.height.unwrap_or(settings.height);
+        settings.samples = self.samples.unwrap_or(settings.samples);
+        settings.max_depth = self.depth.unwrap_or(settings.max_depth);
+        settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
+        settings.shadows = self.shadows.unwrap_or(settings.shadows);
+        let (width, height) = (settings.width, settings.height);
+        if u64::from(width) * u64::from(height) > MOST_PIXELS {
+            return Err(Error::Limit(format!(
+                "a picture of {width} by {height} pixels is too large; at most {MOST_PIXELS} pixels are rendered"
+            )));
+        }
+        Ok(())
+    }
+}
+
+impl TryFrom<RenderArgs> for Render {
+    type Error = Error;
+
+    fn try_from(args: RenderArgs) -> Result<Self> {
+        let backend = match args.backend {
+            BackendArg::Native => Backend::Native,
+            BackendArg::Reference => Backend::Reference,
+            BackendArg::Embree => {
+                return Err(Error::Limit(String::from(
+                    "--backend embree: this program was built without it; build with `cargo build --release \
+                     --features embree`, or take --backend native",
+                )));
+            }
+        };
+        let name = match args.output {
+            Some(name) => name,
+            None => default_output(&args.scene)?,
+        };
+        refuse_input("-o", &name, [args.scene.as_path()])?;
+        let output = Destination::new(&name)?;
+        let format = format_of(&output)?;
+        if args.bits.is_some() && format != Format::Png {
+            return Err(Error::Usage(format!(
+                "--bits is for PNG; {} has samples of its own kind: leave it out, or end {} in .png",
+                format.name(),
+                name.display()
+            )));
+        }
+        Ok(Self {
+            scene: args.scene,
+            output,
+            format,
+            bits: match args.bits {
+                None | Some(BitsArg::Eight) => Bits::Eight,
+                Some(BitsArg::Sixteen) => Bits::Sixteen,
+            },
+            exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
+            overrides: Overrides {
+                width: args.width,
+                height: args.height,
+                samples: args.samples,
+                depth: args.depth,
+                cutoff: args.cutoff,
+                shadows: args.shadows.map(|rule| match rule {
+                    ShadowsArg::Opaque => ShadowRule::Opaque,
+                    ShadowsArg::Straight => ShadowRule::Straight,
+                }),
+            },
+            backend,
+            options: render::Options {
+                fresnel: match args.fresnel {
+                    FresnelArg::Exact => FresnelModel::Exact,
+                    FresnelArg::Schlick => FresnelModel::Schlick,
+                    FresnelArg::Off => FresnelModel::Off,
+                },
+                threads: args.threads.unwrap_or(0) as usize,
+                tile: args.tile,
+            },
+            strict: args.strict,
+            json: args.json,
+            quiet: args.quiet,
+        })
+    }
+}
+
+/// Two pictures to be compared.
+#[derive(Debug)]
+pub(super) struct Compare {
+    pub a: PathBuf,
+    pub b: PathBuf,
+    /// Where given, exceeding it is a negative result.
+    pub tolerance: Option<f64>,
+    /// Share of pixels that may exceed it.
+    pub allow_share: f64,
+    pub diff: Option<Difference>,
+    pub linear: bool,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+/// A picture of the differences to be written.
+#[derive(Debug)]
+pub(super) struct Difference {
+    pub output: Destination,
+    pub format: Format,
+    /// Factor on the differences; none makes the largest 1.
+    pub scale: Option<f64>,
+}
+
+impl TryFrom<CompareArgs> for Compare {
+    type Error = Error;
+
+    fn try_from(args: CompareArgs) -> Result<Self> {
+        let diff = match args.diff {
+            None => None,
+            Some(name) => {
+                refuse_input("--diff", &name, [args.a.as_path(), args.b.as_path()])?;
+                let output = Destination::new(&name)?;
+                let format = format_of(&output)?;
+                Some(Difference { output, format, scale: args.diff_scale })
+            }
+        };
+        Ok(Self {
+            a: args.a,
+            b: args.b,
+            tolerance: args.tolerance,
+            allow_share: args.allow_share,
+            diff,
+            linear: args.linear,
+            json: args.json,
+            quiet: args.quiet,
+        })
+    }
+}
+
+/// The scene's name with `.png`, in the current folder.
+fn default_output(scene: &Path) -> Result<PathBuf> {
+    match scene.file_stem() {
+        Some(stem) => {
+            let mut name = stem.to_os_string();
+            name.push(".png");
+            Ok(name.into())
+        }
+        None => Err(Error::Usage(format!("{}: no scene file; name one that ends in .toml or .obj", scene.display()))),
+    }
+}
+
+/// Devices and pipes seldom have an extension; they get PNG.
+fn format_of(output: &Destination) -> Result<Format> {
+    if output.is_stream() && output.name().extension().is_none() {
+        return Ok(Format::Png);
+    }
+    Format::from_path(output.name())
+}
+
+/// Keeps an input from being written over.
+///
+/// # Errors
+/// Usage, where `output` is one of the inputs, under whatever name.
+pub(super) fn refuse_input<'a>(
+    flag: &str,
+    output: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<()> {
+    let Ok(output_file) = output.canonicalize() else {
+        return Ok(());
+    };
+    for input in inputs {
+        if output_file.is_file() && input.canonicalize().is_ok_and(|input| input == output_file) {
+            return Err(Error::Usage(format!(
+                "{flag} {} would overwrite the input {}; choose another name",
+                output.display(),
+                input.display()
+            )));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,32 @@
+//! Words to the user. Results go to standard output, all else to standard error; neither panics when its reader goes.
+
+use std::io::{self, Write as _};
+
+use crate::{Error, Result};
+
+/// A line on standard error. Where that fails there is nobody left to tell.
+pub(super) fn log(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Text on standard output.
+///
+/// # Errors
+/// Io, except that a reader who has read enough (a closed pipe) is no error.
+pub(super) fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::io("standard output", "write", e)),
+        _ => Ok(()),
+    }
+}
+
+/// A value as JSON on standard output.
+///
+/// # Errors
+/// As [`print`].
+pub(super) fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::io("standard output", "write", io::Error::other(e)))?;
+    print(&(text + "\n"))
+}

@@ -1,0 +1,48 @@
+//! A bar with the time left, on a terminal.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::render::Observer;
+
+/// Between two looks at the counter.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Runs `work`; meanwhile, where `show`, a bar on standard error follows `observer` up to `pixels`. Nothing is drawn
+/// where standard error is no terminal, and the bar is gone afterwards.
+pub(super) fn follow<T>(observer: &Observer, pixels: u64, show: bool, work: impl FnOnce() -> T) -> T {
+    let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::stderr());
+    if !show || bar.is_hidden() {
+        return work();
+    }
+    let style = ProgressStyle::with_template("{elapsed:>4} [{bar:40}] {percent:>3} %, {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let ticker = scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                bar.set_position(observer.pixels_done.load(Ordering::Relaxed));
+                thread::park_timeout(TICK);
+            }
+            bar.finish_and_clear();
+        });
+        // Ends the ticker also where `work` unwinds; the scope would else wait for it for ever.
+        let _end = EndTicker { done: &done, ticker: ticker.thread().clone() };
+        work()
+    })
+}
+
+struct EndTicker<'a> {
+    done: &'a AtomicBool,
+    ticker: thread::Thread,
+}
+
+impl Drop for EndTicker<'_> {
+    fn drop(&mut self) {
+        self.done.store(true, Ordering::Relaxed);
+        self.ticker.unpark();
+    }
+}

@@ -1,0 +1,97 @@
+//! `vitrum render`.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use super::backend::{self, Traced};
+use super::options::{Exposure, Render, refuse_input};
+use super::summary::{Facts, Seconds, Summary};
+use super::{Verdict, interrupt, metadata, output, progress};
+use crate::image::{self, Encoding, Film};
+use crate::load::{self, LoadOptions, Loaded};
+use crate::render::Observer;
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+/// Loads, renders, writes and reports.
+pub(super) fn run(job: Render) -> Result<Verdict> {
+    let observer = Arc::new(Observer::default());
+    interrupt::listen(&observer)?;
+
+    let start = Instant::now();
+    let Loaded { mut scene, report } =
+        load::scene(&job.scene, &LoadOptions { strict: job.strict, ..LoadOptions::default() })?;
+    job.overrides.apply(&mut scene.settings)?;
+    refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
+    let load_time = start.elapsed();
+
+    let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
+    let mut traced = progress::follow(&observer, pixels, !job.quiet, || {
+        backend::trace(&scene, job.backend, &job.options, &observer)
+    })?;
+    if job.strict {
+        refuse_losses(&job.scene, &traced)?;
+    }
+
+    let start = Instant::now();
+    expose(&mut traced.outcome.film, job.exposure);
+    let clipped = interrupt::heeded(|| write(&job, &scene, &traced.outcome.film, &observer))?;
+    let write_time = start.elapsed();
+
+    if job.quiet && !job.json {
+        return Ok(Verdict::Done);
+    }
+    let summary = Summary::of(&Facts {
+        job: &job,
+        scene: &scene,
+        report: &report,
+        traced: &traced,
+        clipped,
+        seconds: Seconds {
+            load: load_time.as_secs_f64(),
+            build: traced.build_time.as_secs_f64(),
+            render: traced.render_time.as_secs_f64(),
+            write: write_time.as_secs_f64(),
+        },
+    });
+    if !job.quiet {
+        output::log(&summary.text());
+    }
+    if job.json {
+        output::print_json(&summary)?;
+    }
+    Ok(Verdict::Done)
+}
+
+/// Under `--strict`: what the picture is short of for reasons other than its settings is an error.
+fn refuse_losses(scene: &Path, traced: &Traced) -> Result<()> {
+    let outcome = &traced.outcome;
+    let dropped = traced.build.map_or(0, |b| b.dropped as u64);
+    for (count, what) in [
+        (dropped, "primitives cannot be hit (not finite, too large or without area) and were dropped"),
+        (outcome.non_finite, "contributions to the picture are not finite and were left out"),
+        (outcome.clamped, "contributions to the picture are too large and were clamped"),
+        (outcome.unmatched_exits, "rays left a medium that they never entered (open or inside-out surfaces)"),
+    ] {
+        if count > 0 {
+            return Err(Error::file(scene, format!("{count} {what}; --strict allows none")));
+        }
+    }
+    Ok(())
+}
+
+fn expose(film: &mut Film, exposure: Exposure) {
+    if exposure.ev != 0.0 {
+        let factor = exposure.factor();
+        film.pixels.as_flattened_mut().iter_mut().for_each(|x| *x *= factor);
+    }
+}
+
+fn write(job: &Render, scene: &Scene, film: &Film, observer: &Observer) -> Result<image::Clipped> {
+    let metadata = metadata::of(&scene.settings, job.options.fresnel, job.backend, job.exposure);
+    let encoded = image::encode(film, &Encoding { format: job.format, bits: job.bits, metadata })?;
+    job.output.write(&encoded.bytes, || !observer.stop.load(Ordering::SeqCst))?;
+    Ok(encoded.clipped)
+}

@@ -1,0 +1,293 @@
+//! What a render came to: one value, told as text or as JSON.
+
+use std::collections::BTreeMap;
+
+use super::backend::Traced;
+use super::metadata::{fresnel_name, shadows_name};
+use super::options::Render;
+use super::table::{bytes, counted, grouped, rays};
+use crate::image::{Bits, Clipped, Film, Format};
+use crate::load::LoadReport;
+use crate::render::{RayCounts, RayKind};
+use crate::scene::Scene;
+use crate::simd::level;
+
+/// Everything a summary is made from.
+pub(super) struct Facts<'a> {
+    pub job: &'a Render,
+    pub scene: &'a Scene,
+    pub report: &'a LoadReport,
+    pub traced: &'a Traced,
+    pub clipped: Clipped,
+    pub seconds: Seconds,
+}
+
+/// The summary of a render. Its JSON form is this, with the same names.
+#[derive(serde::Serialize)]
+pub(super) struct Summary {
+    version: &'static str,
+    scene: String,
+    output: String,
+    format: String,
+    picture: Picture,
+    backend: &'static str,
+    simd: &'static str,
+    threads: usize,
+    tile: u32,
+    size: Size,
+    /// None where the back end keeps its tree to itself.
+    tree: Option<Tree>,
+    seconds: Seconds,
+    rays: Rays,
+    losses: Losses,
+    truncated: Truncated,
+    warnings: Vec<String>,
+    defaults: Vec<String>,
+}
+
+/// The settings that decided the pixels.
+#[derive(serde::Serialize)]
+struct Picture {
+    width: u32,
+    height: u32,
+    samples: u32,
+    depth: u32,
+    cutoff: f32,
+    fresnel: &'static str,
+    shadows: &'static str,
+    exposure: f32,
+}
+
+#[derive(serde::Serialize)]
+struct Size {
+    triangles: u64,
+    spheres: u64,
+    planes: u64,
+    objects: usize,
+    materials: usize,
+    media: usize,
+    lights: usize,
+    textures: usize,
+}
+
+#[derive(serde::Serialize)]
+struct Tree {
+    nodes: usize,
+    leaves: usize,
+    depth: usize,
+    bytes: usize,
+}
+
+/// Wall time of each step, in seconds.
+#[derive(Clone, Copy, serde::Serialize)]
+pub(super) struct Seconds {
+    pub load: f64,
+    pub build: f64,
+    pub render: f64,
+    pub write: f64,
+}
+
+#[derive(serde::Serialize)]
+struct Rays {
+    total: u64,
+    camera: u64,
+    reflected: u64,
+    transmitted: u64,
+    shadow: u64,
+    /// One row a depth: camera, reflected, transmitted, shadow.
+    by_depth: Vec<[u64; 4]>,
+    mrays_per_s: f64,
+    #[serde(skip)]
+    counts: RayCounts,
+}
+
+/// What did not reach the picture as it was.
+#[derive(serde::Serialize)]
+struct Losses {
+    /// Faces the loader left out, by reason.
+    faces: BTreeMap<&'static str, u64>,
+    /// Primitives the back end left out; none where it does not tell.
+    primitives: Option<usize>,
+    non_finite: u64,
+    clamped: u64,
+    unmatched_exits: u64,
+    /// Samples the file format could not hold.
+    clipped: Clipped,
+}
+
+/// Weight of the rays that ended at the depth limit or the cut-off, by pixel: the largest of its channels.
+#[derive(Debug, PartialEq, serde::Serialize)]
+struct Truncated {
+    mean: f64,
+    max: f32,
+    pixels: u64,
+}
+
+impl Truncated {
+    fn of(weights: &Film) -> Self {
+        let (mut sum, mut max, mut pixels) = (0.0, 0.0_f32, 0);
+        for &[r, g, b] in &weights.pixels {
+            let weight = r.max(g).max(b);
+            sum += f64::from(weight);
+            max = max.max(weight);
+            pixels += u64::from(weight > 0.0);
+        }
+        Self { mean: sum / weights.pixels.len().max(1) as f64, max, pixels }
+    }
+}
+
+impl Summary {
+    pub fn of(facts: &Facts) -> Self {
+        let Facts { job, scene, report, traced, clipped, seconds } = facts;
+        let (settings, outcome, shapes) = (&scene.settings, &traced.outcome, scene.shape_counts());
+        let counts = &outcome.rays;
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: job.scene.display().to_string(),
+            output: job.output.name().display().to_string(),
+            format: match (job.format, job.bits) {
+                (Format::Png, Bits::Eight) => String::from("PNG, 8 bits"),
+                (Format::Png, Bits::Sixteen) => String::from("PNG, 16 bits"),
+                (format, _) => format.name().to_owned(),
+            },
+            picture: Picture {
+                width: settings.width,
+                height: settings.height,
+                samples: settings.samples,
+                depth: settings.max_depth,
+                cutoff: settings.cutoff,
+                fresnel: fresnel_name(job.options.fresnel),
+                shadows: shadows_name(settings.shadows),
+                exposure: job.exposure.ev,
+            },
+            backend: job.backend.name(),
+            simd: level::BUILT,
+            threads: job.options.thread_count(),
+            tile: job.options.tile,
+            size: Size {
+                triangles: shapes.triangles,
+                spheres: shapes.spheres,
+                planes: shapes.planes,
+                objects: scene.objects.len(),
+                materials: scene.materials.len(),
+                media: scene.media.len(),
+                lights: scene.lights.len(),
+                textures: scene.textures.len(),
+            },
+            tree: traced.build.map(|b| Tree { nodes: b.nodes, leaves: b.leaves, depth: b.depth, bytes: b.bytes }),
+            seconds: *seconds,
+            rays: Rays {
+                total: counts.total(),
+                camera: counts.of(RayKind::Camera),
+                reflected: counts.of(RayKind::Reflected),
+                transmitted: counts.of(RayKind::Transmitted),
+                shadow: counts.of(RayKind::Shadow),
+                by_depth: counts.by_depth.clone(),
+                mrays_per_s: counts.total() as f64 / seconds.render.max(1e-9) / 1e6,
+                counts: counts.clone(),
+            },
+            losses: Losses {
+                faces: report.dropped.clone(),
+                primitives: traced.build.map(|b| b.dropped),
+                non_finite: outcome.non_finite,
+                clamped: outcome.clamped,
+                unmatched_exits: outcome.unmatched_exits,
+                clipped: *clipped,
+            },
+            truncated: Truncated::of(&outcome.truncated),
+            warnings: report.warnings.iter().map(ToString::to_string).collect(),
+            defaults: report.defaults.clone(),
+        }
+    }
+
+    /// As text of several lines, the last one unended.
+    pub fn text(&self) -> String {
+        let mut lines = Vec::new();
+        let mut line = |name: &str, value: String| lines.push(format!("{name:<10} {value}"));
+        let p = &self.picture;
+
+        line("picture", format!("{} ({} x {}, {})", self.output, p.width, p.height, self.format));
+        let exposure = if p.exposure == 0.0 { String::new() } else { format!(", exposure {:+} EV", p.exposure) };
+        line(
+            "settings",
+            format!(
+                "{0} x {0} samples, depth {1}, cut-off {2}, Fresnel {3}, shadows {4}{exposure}",
+                p.samples, p.depth, p.cutoff, p.fresnel, p.shadows
+            ),
+        );
+        let s = &self.size;
+        let sizes = [
+            counted(s.triangles, "triangle"),
+            counted(s.spheres, "sphere"),
+            counted(s.planes, "plane"),
+            counted(s.materials as u64, "material"),
+            counted(s.lights as u64, "light"),
+        ];
+        line("scene", format!("{}: {}", self.scene, sizes.join(", ")));
+        if let Some(t) = &self.tree {
+            let (nodes, leaves) = (counted(t.nodes as u64, "node"), grouped(t.leaves as u64));
+            line("tree", format!("{nodes}, {leaves} leaves, depth {}, {}", t.depth, bytes(t.bytes as u64)));
+        }
+        line("back end", format!("{}, {}, {}", self.backend, self.simd, counted(self.threads as u64, "thread")));
+        let t = &self.seconds;
+        line(
+            "time",
+            format!("load {:.3} s, build {:.3} s, render {:.3} s, write {:.3} s", t.load, t.build, t.render, t.write),
+        );
+        line("rays", format!("{} at {:.2} Mrays/s", grouped(self.rays.total), self.rays.mrays_per_s));
+        lines.push(rays(&self.rays.counts, "           "));
+        self.lost(&mut lines);
+        lines.extend(self.defaults.iter().map(|d| format!("{:<10} {d}", "default")));
+        lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
+        if level::BUILT.ends_with("without FMA") {
+            lines.push(format!("warning: built for {}: slower and less exact; {}", level::BUILT, level::CURE));
+        }
+        lines.join("\n")
+    }
+
+    /// What was truncated, dropped or clamped; the first is always told.
+    fn lost(&self, lines: &mut Vec<String>) {
+        let mut line = |name: &str, value: String| lines.push(format!("{name:<10} {value}"));
+        let t = &self.truncated;
+        line(
+            "truncated",
+            match t.pixels {
+                0 => String::from("no weight"),
+                n => format!("weight {:.3e} in the mean, at most {:.3e}, in {}", t.mean, t.max, counted(n, "pixel")),
+            },
+        );
+        let l = &self.losses;
+        for (reason, count) in &l.faces {
+            line("dropped", format!("{}: {reason}", counted(*count, "face")));
+        }
+        let primitives = l.primitives.unwrap_or(0) as u64;
+        let clipped = &l.clipped;
+        for (name, count, noun, what) in [
+            ("dropped", primitives, "primitive", "not finite, too large or without area"),
+            ("dropped", l.non_finite, "contribution", "not finite"),
+            ("clamped", l.clamped, "contribution", "too large to be summed"),
+            ("unmatched", l.unmatched_exits, "exit", "from a medium never entered: open or inside-out surfaces"),
+            ("clipped", clipped.above, "sample", "brighter than the file can hold"),
+            ("clipped", clipped.below, "sample", "below zero"),
+            ("clipped", clipped.non_finite, "sample", "not finite"),
+        ] {
+            if count > 0 {
+                line(name, format!("{}: {what}", counted(count, noun)));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn truncated_weight_is_that_of_the_largest_channel() {
+        let mut film = Film::new(2, 2);
+        film.pixels[0] = [0.1, 0.5, 0.2];
+        film.pixels[3] = [0.25, 0.0, 0.0];
+        assert_eq!(Truncated::of(&film), Truncated { mean: 0.1875, max: 0.5, pixels: 2 });
+        assert_eq!(Truncated::of(&Film::default()), Truncated { mean: 0.0, max: 0.0, pixels: 0 });
+    }
+}
