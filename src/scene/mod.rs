@@ -12,7 +12,7 @@ pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind};
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
 pub use settings::{Settings, ShadowRule};
-pub use texture::Texture;
+pub use texture::{Beyond, Texture};
 
 use crate::geometry::{Geometry, Shape};
 

@@ -1,1 +1,119 @@
-//! The `f64` arbiter.
+//! The arbiter: what a ray meets, in `f64`, one ray at a time, unhurried.
+//!
+//! It takes the same `f32` shapes as every other path; widening them is exact, so that what it finds is off by roundings
+//! of 2^-53 where they are off by roundings of 2^-24. [`Reference::judge`] turns that gap into verdicts on their answers.
+
+mod margin;
+mod packets;
+mod primitive;
+mod ray;
+mod tree;
+mod verdict;
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+pub use margin::{Contact, Margin};
+pub use ray::{Hit64, Ray64};
+pub use verdict::{Cause, Fault, Verdict};
+
+use super::BuildStats;
+use crate::geometry::Geometry;
+use primitive::{Form, Primitive, Probe};
+use tree::{EXACT, Tree};
+
+/// Shapes to be met, in `f64`.
+#[derive(Clone, Debug, Default)]
+pub struct Reference {
+    /// In the order of their ids.
+    primitives: Vec<Primitive>,
+    tree: Tree,
+    stats: BuildStats,
+}
+
+impl Reference {
+    /// Takes in the shapes. What cannot be hit is left out and counted.
+    #[must_use]
+    pub fn build(geometry: &[Geometry]) -> Self {
+        let start = Instant::now();
+        let (primitives, dropped) = Primitive::collect(geometry);
+        let tree = Tree::build(&primitives);
+        let count = |is: fn(&Form) -> bool| primitives.iter().filter(|p| is(&p.form)).count();
+        let (nodes, leaves, depth) = tree.shape();
+        let stats = BuildStats {
+            triangles: count(|f| matches!(f, Form::Triangle(_))),
+            spheres: count(|f| matches!(f, Form::Sphere { .. })),
+            planes: count(|f| matches!(f, Form::Plane { .. })),
+            dropped,
+            nodes,
+            leaves,
+            depth,
+            bytes: tree.bytes(),
+            time: start.elapsed(),
+        };
+        Self { primitives, tree, stats }
+    }
+
+    /// The nearest hit, or a miss.
+    #[must_use]
+    pub fn closest(&self, ray: &Ray64) -> Hit64 {
+        let mut best = Hit64::MISS;
+        self.visit(ray, |hit| {
+            if hit.is_before(&best) {
+                best = hit;
+            }
+            ControlFlow::Continue(ray.t_max.min(best.t))
+        });
+        best
+    }
+
+    /// Whether anything that the ray admits is met.
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray64) -> bool {
+        let mut met = false;
+        self.visit(ray, |_| {
+            met = true;
+            ControlFlow::Break(())
+        });
+        met
+    }
+
+    /// Every hit, nearest first, ties by id. A ray through a shared edge meets both triangles.
+    #[must_use]
+    pub fn all_hits(&self, ray: &Ray64) -> Vec<Hit64> {
+        let mut hits = Vec::new();
+        self.visit(ray, |hit| {
+            hits.push(hit);
+            ControlFlow::Continue(ray.t_max)
+        });
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id().cmp(&b.id())));
+        hits
+    }
+
+    /// What was built.
+    #[must_use]
+    pub fn stats(&self) -> BuildStats {
+        self.stats
+    }
+
+    /// Shows `see` the hits of `ray`, in no order. It gives back the parameter beyond which it wants no more.
+    fn visit(&self, ray: &Ray64, mut see: impl FnMut(Hit64) -> ControlFlow<(), f64>) {
+        if !ray.is_usable() {
+            return;
+        }
+        let probe = Probe::new(ray);
+        let mut far = ray.t_max;
+        self.tree.walk(ray, EXACT, |place| {
+            let primitive = &self.primitives[place];
+            if primitive.mask.meets(ray.admits) {
+                for hit in primitive.meetings(&probe).into_iter().filter(|hit| ray.sees(hit.t)) {
+                    far = see(hit)?;
+                }
+            }
+            ControlFlow::Continue(far)
+        });
+    }
+}

@@ -1,0 +1,168 @@
+//! How far a decision in `f64` is from going the other way, and how far `f32` may carry it.
+//!
+//! Any sane `f32` kernel, whatever its formula, starts by moving the shape to the ray's origin, which rounds each
+//! coordinate, and then does a handful of operations on numbers no larger. Its answer is therefore right for some
+//! shape whose points lie within a few roundings of `reach` (the largest coordinate relative to the origin) of the
+//! given ones, plus the roundings of the last products. [`ROUNDINGS`] is that handful. The native Woop kernel needs
+//! about 5 (difference, shear factor, product, difference, product), Embree's two kernels 6 to 12.
+
+use arrayvec::ArrayVec;
+use glam::DVec3;
+
+use super::primitive::{Form, Primitive, Probe};
+use crate::math::{UNIT_ROUNDOFF, ulp};
+
+/// Roundings by `f32` that a point may suffer, relative to `reach`.
+const ROUNDINGS: f64 = 16.0;
+
+/// What `f32` may move by, relative to `reach`.
+pub(super) const SLIP: f64 = ROUNDINGS * UNIT_ROUNDOFF as f64;
+
+/// A decision's distance from flipping, against the error that `f32` may make in it; same unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// How far the `f64` value is from the other decision, at least 0.
+    pub distance: f64,
+    /// How far `f32` may be off, at least 0; infinite where it decides nothing.
+    pub bound: f64,
+}
+
+impl Margin {
+    /// Whether every sane `f32` evaluation must decide alike.
+    #[must_use]
+    pub fn is_decided(&self) -> bool {
+        self.distance > self.bound
+    }
+
+    /// How many times the bound fits into the distance.
+    fn ratio(&self) -> f64 {
+        if self.bound > 0.0 { self.distance / self.bound } else { f64::INFINITY }
+    }
+
+    fn least(a: Self, b: Self) -> Self {
+        if b.ratio() < a.ratio() { b } else { a }
+    }
+
+    fn most(a: Self, b: Self) -> Self {
+        if b.ratio() > a.ratio() { b } else { a }
+    }
+
+    const NONE: Self = Self { distance: 0.0, bound: f64::INFINITY };
+    const SURE: Self = Self { distance: f64::INFINITY, bound: 0.0 };
+}
+
+/// One primitive against the whole line of one ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Instance, geometry and primitive.
+    pub id: (u32, u32, u32),
+    /// Whether `f64` finds the line to pass through the primitive.
+    pub inside: bool,
+    /// Distance to the nearest edge or silhouette that would flip `inside`, in scene units.
+    pub edge: Margin,
+    /// Ray parameter, also where the line only passes beside it.
+    pub t: f64,
+    /// What `f32` is asked to keep to in `t`: 16 ulp of `reach`, over |cos| of incidence and the direction's length.
+    pub tolerance: f64,
+    /// What it may be off in `t` at worst; above `tolerance` on slivers, where rounded edges make bad weights.
+    pub bound: f64,
+}
+
+impl Contact {
+    /// The contacts of `primitive` with the ray of `probe`: two with a sphere, one with a triangle, at most one
+    /// with a plane.
+    pub(super) fn with(primitive: &Primitive, probe: &Probe) -> ArrayVec<Self, 2> {
+        match &primitive.form {
+            Form::Triangle(corners) => std::iter::once(triangle(primitive.id(), probe, corners)).collect(),
+            Form::Sphere { centre, radius } => sphere(primitive.id(), probe, *centre, *radius),
+            Form::Plane { point, normal } => plane(primitive.id(), probe, *point, *normal).into_iter().collect(),
+        }
+    }
+}
+
+/// 16 ulp of `reach`, over |cos| of incidence and the direction's length.
+fn tolerance(reach: f64, cos: f64, dir: DVec3) -> f64 {
+    16.0 * f64::from(ulp(reach as f32)) / (cos.abs() * dir.length())
+}
+
+fn triangle(id: (u32, u32, u32), probe: &Probe, corners: &[DVec3; 3]) -> Contact {
+    let ray = &probe.ray;
+    let seen = probe.triangle(corners);
+    let reach = corners.iter().fold(0.0_f64, |m, p| m.max((*p - ray.origin).abs().max_element()));
+    let slip = SLIP * reach;
+    let margins: [Margin; 3] = std::array::from_fn(|i| {
+        let (p, q) = (seen.flat[(i + 1) % 3], seen.flat[(i + 2) % 3]);
+        let length = (p - q).length();
+        let products = 4.0 * f64::from(UNIT_ROUNDOFF) * ((p.x * q.y).abs() + (p.y * q.x).abs());
+        let error = slip * (p.length() + q.length() + slip) + products;
+        if length > 0.0 {
+            Margin { distance: seen.edges[i].abs() / length, bound: error / length }
+        } else {
+            Margin::NONE
+        }
+    });
+    let inside = seen.is_inside();
+    let edge = if inside {
+        margins.into_iter().fold(Margin::SURE, Margin::least)
+    } else {
+        // Outside is proved by one edge of either sign.
+        let best = |sign: f64| {
+            let of_sign = (0..3).filter(|&i| seen.edges[i] * sign > 0.0);
+            of_sign.fold(Margin::NONE, |best, i| Margin::most(best, margins[i]))
+        };
+        Margin::least(best(1.0), best(-1.0))
+    };
+
+    let Some((t, ..)) = seen.meeting() else {
+        // Edge-on: where the corners do not tell the line to be elsewhere, `f32` may find anything.
+        let t = seen.depth.iter().sum::<f64>() / 3.0;
+        return Contact { id, inside: false, edge, t, tolerance: f64::INFINITY, bound: f64::INFINITY };
+    };
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+    let tolerance = tolerance(reach, normal.dot(ray.dir) / ray.dir.length(), ray.dir);
+    let lengths = [1, 2, 0].map(|i| (seen.flat[i] - seen.flat[(i + 1) % 3]).length());
+    let errors = [0, 1, 2].map(|i| if lengths[i] > 0.0 { margins[i].bound * lengths[i] } else { 0.0 });
+    let weights_off = if errors.iter().sum::<f64>() < seen.whole().abs() {
+        (0..3).map(|i| errors[i] * (seen.depth[i] - t).abs()).sum::<f64>() / seen.whole().abs()
+    } else {
+        f64::INFINITY
+    };
+    let bound = tolerance.max(weights_off + slip / ray.dir.abs().max_element());
+    Contact { id, inside, edge, t, tolerance, bound }
+}
+
+fn sphere(id: (u32, u32, u32), probe: &Probe, centre: DVec3, radius: f64) -> ArrayVec<Contact, 2> {
+    let ray = &probe.ray;
+    let from_centre = ray.origin - centre;
+    let length = ray.dir.length();
+    let middle = -from_centre.dot(ray.dir) / (length * length);
+    let nearest = (from_centre + ray.dir * middle).length();
+    let reach = from_centre.abs().max_element() + radius;
+    let edge = Margin { distance: (radius - nearest).abs(), bound: SLIP * reach };
+    let half_chord = ((radius - nearest) * (radius + nearest)).max(0.0).sqrt();
+    let tolerance = tolerance(reach, half_chord / radius, ray.dir);
+    [-1.0, 1.0]
+        .into_iter()
+        .map(|side| Contact {
+            id,
+            inside: nearest <= radius,
+            edge,
+            t: middle + side * half_chord / length,
+            tolerance,
+            bound: tolerance,
+        })
+        .collect()
+}
+
+fn plane(id: (u32, u32, u32), probe: &Probe, point: DVec3, normal: DVec3) -> Option<Contact> {
+    let ray = &probe.ray;
+    let cos = normal.dot(ray.dir) / ray.dir.length();
+    if cos == 0.0 {
+        return None;
+    }
+    let t = normal.dot(point - ray.origin) / normal.dot(ray.dir);
+    let reach = (point - ray.origin).abs().max_element().max(t.abs() * ray.dir.length());
+    let edge = Margin { distance: cos.abs(), bound: SLIP };
+    let tolerance = tolerance(reach, cos, ray.dir);
+    Some(Contact { id, inside: true, edge, t, tolerance, bound: tolerance })
+}

@@ -1,0 +1,194 @@
+//! Ray against triangle, sphere and plane in `f64`.
+
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3};
+
+use super::{Hit64, Ray64};
+use crate::geometry::{COORDINATE_LIMIT, Geometry, GeometryMask, Plane, Shape, Sphere};
+
+/// One thing that can be hit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Primitive {
+    pub form: Form,
+    pub mask: GeometryMask,
+    pub geometry: u32,
+    pub primitive: u32,
+}
+
+/// Its shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Form {
+    Triangle([DVec3; 3]),
+    Sphere {
+        centre: DVec3,
+        radius: f64,
+    },
+    /// Unit normal.
+    Plane {
+        point: DVec3,
+        normal: DVec3,
+    },
+}
+
+impl Primitive {
+    /// Every usable primitive of `geometry` in the order of their ids, and how many were left out.
+    pub fn collect(geometry: &[Geometry]) -> (Vec<Self>, usize) {
+        let mut kept = Vec::new();
+        let mut dropped = 0;
+        for (g, shape) in geometry.iter().enumerate() {
+            let mut add = |primitive: usize, form: Option<Form>| match form {
+                Some(form) => {
+                    kept.push(Self { form, mask: shape.mask, geometry: g as u32, primitive: primitive as u32 });
+                }
+                None => dropped += 1,
+            };
+            match &shape.shape {
+                Shape::Mesh(mesh) => (0..mesh.triangles.len()).for_each(|i| {
+                    let corners = || Form::Triangle(mesh.corners(i).map(|p| p.as_dvec3()));
+                    add(i, mesh.is_usable(i).then(corners));
+                }),
+                Shape::Sphere(sphere) => add(0, sphere_form(sphere)),
+                Shape::Plane(plane) => add(0, plane_form(plane)),
+            }
+        }
+        (kept, dropped)
+    }
+
+    /// Where the whole line of `probe`'s ray meets it, nearest first; the caller looks at the interval.
+    pub fn meetings(&self, probe: &Probe) -> ArrayVec<Hit64, 2> {
+        let hit =
+            |t: f64, u: f64, v: f64| Hit64 { t, u, v, instance: 0, geometry: self.geometry, primitive: self.primitive };
+        let mut hits = ArrayVec::new();
+        match &self.form {
+            Form::Triangle(corners) => {
+                let seen = probe.triangle(corners);
+                if let Some((t, u, v)) = seen.is_inside().then(|| seen.meeting()).flatten() {
+                    hits.push(hit(t, u, v));
+                }
+            }
+            Form::Sphere { centre, radius } => {
+                if let Some(roots) = sphere_roots(&probe.ray, *centre, *radius) {
+                    hits.extend(roots.map(|t| hit(t, 0.0, 0.0)));
+                }
+            }
+            Form::Plane { point, normal } => {
+                let along = normal.dot(probe.ray.dir);
+                if along != 0.0 {
+                    hits.push(hit(normal.dot(*point - probe.ray.origin) / along, 0.0, 0.0));
+                }
+            }
+        }
+        hits
+    }
+
+    /// The instance, geometry and primitive of its hits.
+    pub fn id(&self) -> (u32, u32, u32) {
+        (0, self.geometry, self.primitive)
+    }
+}
+
+fn is_placed(p: glam::Vec3) -> bool {
+    p.abs().cmple(glam::Vec3::splat(COORDINATE_LIMIT)).all()
+}
+
+fn sphere_form(sphere: &Sphere) -> Option<Form> {
+    let usable = is_placed(sphere.centre) && sphere.radius > 0.0 && sphere.radius <= COORDINATE_LIMIT;
+    usable.then(|| Form::Sphere { centre: sphere.centre.as_dvec3(), radius: f64::from(sphere.radius) })
+}
+
+fn plane_form(plane: &Plane) -> Option<Form> {
+    let normal = plane.normal.as_dvec3().try_normalize()?;
+    is_placed(plane.point).then(|| Form::Plane { point: plane.point.as_dvec3(), normal })
+}
+
+/// Both roots in ascending order, by the form that neither cancels in the discriminant nor in the nearer root
+/// (Haines, Guenther & Akenine-Moeller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems, 2019).
+fn sphere_roots(ray: &Ray64, centre: DVec3, radius: f64) -> Option<[f64; 2]> {
+    let from_centre = ray.origin - centre;
+    let a = ray.dir.length_squared();
+    let b = -from_centre.dot(ray.dir);
+    let nearest = from_centre + ray.dir * (b / a);
+    let below = (radius - nearest.length()) * (radius + nearest.length());
+    if below < 0.0 {
+        return None;
+    }
+    let far_from_centre = from_centre.length();
+    let c = (far_from_centre - radius) * (far_from_centre + radius);
+    let q = b + (a * below).sqrt().copysign(b);
+    if q == 0.0 {
+        return Some([0.0, 0.0]);
+    }
+    let (s, t) = (c / q, q / a);
+    Some([s.min(t), s.max(t)])
+}
+
+/// A ray with the shear that turns it into the z axis (Woop, Benthin & Wald, "Watertight ray/triangle intersection",
+/// JCGT 2013).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Probe {
+    pub ray: Ray64,
+    /// Axes of the sheared x, y and z; z is the direction's largest.
+    axes: [usize; 3],
+    shear: DVec2,
+}
+
+impl Probe {
+    /// `ray` must be usable.
+    pub fn new(ray: &Ray64) -> Self {
+        let z = ray.dir.abs().max_position();
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let shear = DVec2::new(ray.dir[x], ray.dir[y]) / ray.dir[z];
+        Self { ray: *ray, axes: [x, y, z], shear }
+    }
+
+    /// A triangle as the ray sees it. A corner comes out the same in every triangle that has it.
+    pub fn triangle(&self, corners: &[DVec3; 3]) -> SeenTriangle {
+        let [x, y, z] = self.axes;
+        let relative = corners.map(|p| p - self.ray.origin);
+        let flat = relative.map(|p| DVec2::new(p[x], p[y]) - self.shear * p[z]);
+        let depth = relative.map(|p| p[z] / self.ray.dir[z]);
+        let [a, b, c] = flat;
+        SeenTriangle { flat, depth, edges: [edge(c, b), edge(a, c), edge(b, a)] }
+    }
+}
+
+/// A triangle in the sheared space of a ray, where the ray is the point (0, 0).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenTriangle {
+    /// Its corners across the ray, in scene units along the two smaller axes of the direction.
+    pub flat: [DVec2; 3],
+    /// The corners' ray parameters.
+    pub depth: [f64; 3],
+    /// Twice the signed area that the ray forms with the edge opposite each corner: that corner's weight, unscaled.
+    pub edges: [f64; 3],
+}
+
+impl SeenTriangle {
+    /// Whether the ray passes through it, edges included, on either face.
+    pub fn is_inside(&self) -> bool {
+        self.edges.iter().all(|&e| e >= 0.0) || self.edges.iter().all(|&e| e <= 0.0)
+    }
+
+    /// `t`, `u`, `v` of the ray in the triangle's plane; `None` where it is seen edge-on.
+    pub fn meeting(&self) -> Option<(f64, f64, f64)> {
+        let whole = self.whole();
+        let [a, b, c] = self.edges.map(|e| e / whole);
+        let t = a * self.depth[0] + b * self.depth[1] + c * self.depth[2];
+        (whole != 0.0 && t.is_finite()).then_some((t, b, c))
+    }
+
+    /// Twice the signed area of the triangle.
+    pub fn whole(&self) -> f64 {
+        self.edges.iter().sum()
+    }
+}
+
+/// `p.x q.y - p.y q.x` with the right sign, always: rounding is monotonic, so the rounded products order as the exact
+/// ones do, and where they are equal what they miss decides. Swapping the corners only flips the sign. Two triangles
+/// that share an edge therefore agree on which side of it the ray passes, and no ray slips between them.
+fn edge(p: DVec2, q: DVec2) -> f64 {
+    let (first, second) = (p.x * q.y, p.y * q.x);
+    let first_missed = p.x.mul_add(q.y, -first);
+    let second_missed = p.y.mul_add(q.x, -second);
+    (first - second) + (first_missed - second_missed)
+}
