@@ -1,0 +1,4 @@
+mod answers;
+mod judging;
+mod kernels;
+mod shapes;

@@ -1,1 +1,0 @@
-//! The same picture in `f64`.

@@ -1,0 +1,28 @@
+//! Film position to ray.
+
+use glam::DVec3;
+
+use crate::scene::{Camera, Projection, Settings};
+
+/// The ray (start and unit direction) through column `x` and row `y` of the film, in pixels from its upper left
+/// corner: pixel (i, j) is centred at (i + 0.5, j + 0.5).
+pub(super) fn ray(camera: &Camera, settings: &Settings, x: f64, y: f64) -> (DVec3, DVec3) {
+    let eye = camera.eye.as_dvec3();
+    let forward = (camera.target.as_dvec3() - eye).normalize();
+    let right = forward.cross(camera.up.as_dvec3()).normalize();
+    let up = right.cross(forward);
+    let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+    // From -1 to 1 over the picture's height, square pixels.
+    let across = (2.0 * x - width) / height;
+    let above = 1.0 - 2.0 * y / height;
+    match camera.projection {
+        Projection::Pinhole { vfov } => {
+            let reach = (0.5 * f64::from(vfov).to_radians()).tan();
+            (eye, (forward + right * (across * reach) + up * (above * reach)).normalize())
+        }
+        Projection::Orthographic { height } => {
+            let half = 0.5 * f64::from(height);
+            (eye + right * (across * half) + up * (above * half), forward)
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! The second renderer: the same picture in `f64`, one ray at a time, slow and obvious.
+//!
+//! It follows the description in `src/README.md` ("What a ray does") and the table of shares in
+//! `src/scene/material.rs`, and shares with the eight-wide renderer only what both must mean alike: the formulas of
+//! [`crate::optics`] (here in `f64`) and the scene. It is the source of reference pictures, and the judge of single
+//! pixels: [`Prepared::radiance_at`] and [`Prepared::radiance_along`] answer for any point of the film and any ray.
+//!
+//! What the description leaves open is settled here as follows. A shadow ray that marches through transmissive
+//! surfaces sees the angle to their geometric normal. A fixed share of a thin pane is that of both faces at once. A
+//! mirror whose source is the environment looks it up even at the depth limit, and unweakened by any medium. A ray
+//! that goes on through a surface that is not there is counted as one more ray of its kind.
+
+mod camera;
+mod colour;
+mod light;
+mod media;
+mod split;
+mod surface;
+mod tally;
+mod trace;
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Observer, Options, Outcome};
+use crate::accel::BuildStats;
+use crate::accel::reference::Reference;
+use crate::image::Film;
+use crate::optics::FresnelModel;
+use crate::scene::{Material, Scene};
+use crate::{Error, Result};
+use media::MediumStack;
+pub use tally::Tally;
+use trace::Tracer;
+
+/// A scene made ready to trace rays in.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    scene: &'a Scene,
+    accel: Reference,
+    fresnel: FresnelModel,
+    /// What camera rays start in.
+    stack: MediumStack,
+}
+
+impl<'a> Prepared<'a> {
+    /// Builds the hierarchy and finds the media around the eye.
+    #[must_use]
+    pub fn new(scene: &'a Scene, fresnel: FresnelModel) -> Self {
+        let accel = Reference::build(&scene.geometry);
+        let stack = media::around_the_eye(scene, &accel);
+        Self { scene, accel, fresnel, stack }
+    }
+
+    /// What was built.
+    #[must_use]
+    pub fn build_stats(&self) -> BuildStats {
+        self.accel.stats()
+    }
+
+    /// Start and unit direction of the camera ray through column `x` and row `y` of the film, in pixels from its upper
+    /// left corner; pixel (i, j) is centred at (i + 0.5, j + 0.5).
+    #[must_use]
+    pub fn camera_ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        camera::ray(&self.scene.camera, &self.scene.settings, x, y)
+    }
+
+    /// Radiance at a point of the film, by one ray; the point is as in [`Prepared::camera_ray`].
+    #[must_use]
+    pub fn radiance_at(&self, x: f64, y: f64) -> [f64; 3] {
+        let (origin, dir) = self.camera_ray(x, y);
+        self.radiance_along(origin, dir)
+    }
+
+    /// Radiance that arrives at `origin` from `dir` (of unit length), by one ray of depth 0 that starts in the medium
+    /// around the camera's eye.
+    #[must_use]
+    pub fn radiance_along(&self, origin: DVec3, dir: DVec3) -> [f64; 3] {
+        self.trace(origin, dir).radiance.to_array()
+    }
+
+    /// [`Prepared::radiance_along`] with all that is counted on the way.
+    #[must_use]
+    pub fn trace(&self, origin: DVec3, dir: DVec3) -> Tally {
+        Tracer::trace(self, origin, dir)
+    }
+
+    /// The mean over a pixel's regular grid of samples.
+    fn pixel(&self, column: u32, row: u32) -> Tally {
+        let n = self.scene.settings.samples.max(1);
+        let within = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+        let share = 1.0 / (f64::from(n) * f64::from(n));
+        let mut mean = Tally::default();
+        for j in 0..n {
+            for i in 0..n {
+                let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
+                mean.merge(&self.trace(origin, dir), share);
+            }
+        }
+        mean
+    }
+
+    fn material(&self, geometry: u32) -> &'a Material {
+        &self.scene.materials[self.scene.objects[geometry as usize].material as usize]
+    }
+
+    fn ior(&self, medium: u32) -> f64 {
+        self.scene.media[medium as usize].ior
+    }
+}
+
+/// One row of the picture.
+struct Row {
+    radiance: Vec<[f32; 3]>,
+    truncated: Vec<[f32; 3]>,
+    /// Its counts; radiance and weight are in the pixels.
+    counts: Tally,
+}
+
+/// Renders the whole picture, rows in parallel. The bytes do not depend on the number of threads.
+///
+/// # Errors
+/// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads cannot be had.
+pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
+    let prepared = Prepared::new(scene, options.fresnel);
+    let (width, height) = (scene.settings.width, scene.settings.height);
+    let rows: Vec<Row> = pool
+        .install(|| (0..height).into_par_iter().map(|y| row(&prepared, width, y, observer)).collect::<Result<_>>())?;
+
+    let mut film = Film { width, height, pixels: Vec::new() };
+    let mut truncated = Film { width, height, pixels: Vec::new() };
+    let mut counts = Tally::default();
+    for row in rows {
+        film.pixels.extend(row.radiance);
+        truncated.pixels.extend(row.truncated);
+        counts.merge(&row.counts, 0.0);
+    }
+    Ok(Outcome {
+        film,
+        truncated,
+        rays: counts.rays,
+        non_finite: counts.non_finite,
+        clamped: counts.clamped,
+        unmatched_exits: counts.unmatched_exits,
+    })
+}
+
+fn row(prepared: &Prepared, width: u32, y: u32, observer: &Observer) -> Result<Row> {
+    let mut row = Row { radiance: Vec::new(), truncated: Vec::new(), counts: Tally::default() };
+    for x in 0..width {
+        if observer.stop.load(Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        let pixel = prepared.pixel(x, y);
+        row.radiance.push(pixel.radiance.as_vec3().to_array());
+        row.truncated.push(pixel.truncated.as_vec3().to_array());
+        row.counts.merge(&pixel, 0.0);
+        observer.pixels_done.fetch_add(1, Relaxed);
+    }
+    Ok(row)
+}
