@@ -166,3 +166,17 @@ fn each_fresnel_model_gives_its_own_reflectance() {
     close(by(FresnelModel::Schlick), 0.04 + 0.96 * (1.0 - angle.cos()).powi(5), 1e-14);
     close(by(FresnelModel::Off), 0.04, 1e-14);
 }
+
+#[test]
+fn a_fixed_share_yields_to_total_reflection() {
+    let mut scene = empty();
+    scene.settings.max_depth = 1;
+    let glass = medium(&mut scene, 1.5, 0.0, 0);
+    let rule = FresnelRule::Fixed(Rgb::splat(0.25));
+    put(&mut scene, plane(Vec3::ZERO, Vec3::Z), bare(Interface::Dielectric { medium: glass, rule, tint: Rgb::ONE }));
+    put(&mut scene, plane(Vec3::Z * -9.0, Vec3::Z), emitter(1.0));
+    let critical = (1.0 / 1.5_f64).asin();
+    let below = |angle: f64| radiance(&scene, [0.0, 0.0, -1.0], [angle.sin(), 0.0, angle.cos()]);
+    close(below(critical - 1e-3), 0.25, 1e-15);
+    close(below(critical + 1e-3), 1.0, 1e-15);
+}

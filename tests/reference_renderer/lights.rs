@@ -170,10 +170,11 @@ fn a_shadow_through_overlapping_media_knows_which_surfaces_are_there() {
 fn a_shadow_ray_through_the_diagonal_of_a_pane_crosses_it_once() {
     let mut scene = floor(LightKind::Point { position: Vec3::new(0.0, 4.0, 0.0) }, Falloff::None);
     scene.settings.max_depth = 0;
-    medium(&mut scene, 1.5, 0.5, 0);
+    let medium = medium(&mut scene, 1.5, 0.5, 0);
+    let tinted = Interface::Dielectric { medium, rule: FresnelRule::Fresnel, tint: Rgb::splat(0.5) };
     // The light stands above the middle, where both faces' diagonals cross the way.
-    put(&mut scene, block(Vec3::new(-1.0, 2.0, -1.0), Vec3::new(1.0, 3.0, 1.0)), dielectric(1));
-    close(seen(&scene), 1.5 * 0.96 * 0.96 * (-0.5_f64).exp(), 1e-14);
+    put(&mut scene, block(Vec3::new(-1.0, 2.0, -1.0), Vec3::new(1.0, 3.0, 1.0)), bare(tinted));
+    close(seen(&scene), 1.5 * (0.96 * 0.5_f64).powi(2) * (-0.5_f64).exp(), 1e-14);
 }
 
 #[test]

@@ -160,3 +160,15 @@ fn more_than_256_absent_surfaces_in_a_row_end_as_truncated_weight() {
     // The camera ray, its mirror image, and what is refracted: once itself and 256 times on.
     assert_eq!(seen.rays.total(), 1 + 1 + 257);
 }
+
+#[test]
+fn of_equal_media_around_the_eye_the_inner_one_fills_the_space() {
+    let mut scene = empty();
+    let outer = medium(&mut scene, 1.5, 0.0, 0);
+    let inner = medium(&mut scene, 1.2, 0.0, 0);
+    put(&mut scene, sphere(0.0, 0.0, 0.0, 4.0), dielectric(outer));
+    put(&mut scene, sphere(0.0, 0.0, 0.0, 2.0), dielectric(inner));
+    white(&mut scene);
+    scene.settings.max_depth = 2;
+    close(radiance(&scene, [0.0; 3], DOWN), passes(1.2, 1.5) * passes(1.5, 1.0), 1e-14);
+}

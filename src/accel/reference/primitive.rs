@@ -192,3 +192,18 @@ fn edge(p: DVec2, q: DVec2) -> f64 {
     let second_missed = p.y.mul_add(q.x, -second);
     (first - second) + (first_missed - second_missed)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_keeps_its_sign_where_both_products_round_to_the_same_number() {
+        let e = f64::EPSILON;
+        // (1 + e)(1 + 3e) and (1 + 2e)^2 differ by e^2 alone.
+        let (p, q) = (DVec2::new(1.0 + e, 1.0 + 2.0 * e), DVec2::new(1.0 + 2.0 * e, 1.0 + 3.0 * e));
+        assert_eq!(edge(p, q), -e * e);
+        assert_eq!(edge(q, p), e * e);
+        assert_eq!(edge(p, p), 0.0);
+    }
+}

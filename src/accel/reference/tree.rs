@@ -182,3 +182,30 @@ impl Tree {
         self.nodes.len() * size_of::<Node>() + (self.order.len() + self.unbounded.len()) * size_of::<usize>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_grows_by_its_slack_and_no_more() {
+        let unit = Box64 { lo: DVec3::ZERO, hi: DVec3::ONE };
+        let beside = |ulps: f64| Ray64::new(DVec3::new(-5.0, 1.0 + ulps * f64::EPSILON, 0.5), DVec3::X);
+        // Its farthest coordinate is 6 away: 48 ulp.
+        assert!(unit.entry(&beside(40.0), EXACT, f64::INFINITY).is_some());
+        assert!(unit.entry(&beside(60.0), EXACT, f64::INFINITY).is_none());
+    }
+
+    #[test]
+    fn flat_boxes_and_rays_along_their_faces_are_entered_whatever_the_sign_of_zero() {
+        let flat = Box64 { lo: DVec3::ZERO, hi: DVec3::new(1.0, 1.0, 0.0) };
+        for zero in [0.0, -0.0] {
+            let along = Ray64::new(DVec3::new(-1.0, 1.0, 0.0), DVec3::new(1.0, zero, zero));
+            assert!(flat.entry(&along, EXACT, f64::INFINITY).is_some());
+            let above = Ray64::new(DVec3::new(-1.0, 1.0, 0.1), DVec3::new(1.0, zero, zero));
+            assert!(flat.entry(&above, EXACT, f64::INFINITY).is_none());
+        }
+        let back = Ray64::new(DVec3::new(-1.0, 0.5, 0.0), -DVec3::X);
+        assert!(flat.entry(&back, EXACT, f64::INFINITY).is_none());
+    }
+}
