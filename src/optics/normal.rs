@@ -8,7 +8,7 @@ use crate::math::{LaneMask, Real, Vector3};
 const LEAST_RISE: f64 = 1.0 / 1024.0;
 
 /// The shading normal bent just far enough towards the geometric one that the mirror direction of `incident` about
-/// it rises above the surface by [`LEAST_RISE`], or as far as `incident` comes down on it where that is less. Both
+/// it rises above the surface by 2^-10, or as far as `incident` comes down on it where that is less. Both
 /// normals are of unit length and on the incident side of the surface. A normal that needs no bending comes back to
 /// the bit.
 ///
@@ -35,7 +35,7 @@ pub fn consistent_normal<R: Real>(incident: Vector3<R>, geometric: Vector3<R>, s
     Vector3::select(rises, shading, Vector3::select(usable, bent, geometric))
 }
 
-/// A refracted direction bent just far enough that it sinks below the surface by [`LEAST_RISE`]; one that does so
+/// A refracted direction bent just far enough that it sinks below the surface by 2^-10; one that does so
 /// already comes back to the bit. `geometric` faces the incident side. What points so nearly straight up
 /// that rounding decides its bearing, and what is not a number, comes back as straight down.
 #[inline(always)]
