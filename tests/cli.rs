@@ -126,8 +126,22 @@ fn the_summary_tells_of_scene_settings_rays_and_machine() {
     let said = place.run("render scene.toml -o a.png --threads 2").code(0).get_output().stderr.clone();
     let said = String::from_utf8(said).unwrap();
     for word in [
-        "a.png", "48 x 32", "1 sphere", "1 plane", "1 light", "depth 6", "Fresnel exact", "shadows straight", "native",
-        vitrum::simd::level::BUILT, "2 threads", "camera", "transmitted", "1 536", "truncated", "build",
+        "a.png",
+        "48 x 32",
+        "1 sphere",
+        "1 plane",
+        "1 light",
+        "depth 6",
+        "Fresnel exact",
+        "shadows straight",
+        "native",
+        vitrum::simd::level::BUILT,
+        "2 threads",
+        "camera",
+        "transmitted",
+        "1 536",
+        "truncated",
+        "build",
     ] {
         assert!(said.contains(word), "{word} is missing in:\n{said}");
     }
@@ -191,7 +205,8 @@ fn threads_tiles_and_names_change_no_byte_of_the_file() {
     for format in ["png", "exr"] {
         let once = format!("once.{format}");
         place.run(&format!("render scene.toml -q -o {once} --threads 1 --tile 32 --samples 2")).code(0);
-        for (i, machine) in ["--threads 3 --tile 8", "--threads 8 --tile 5", "--threads 2 --tile 64"].iter().enumerate() {
+        for (i, machine) in ["--threads 3 --tile 8", "--threads 8 --tile 5", "--threads 2 --tile 64"].iter().enumerate()
+        {
             let again = format!("again{i}.{format}");
             place.run(&format!("render scene.toml -q -o {again} {machine} --samples 2")).code(0);
             assert!(place.bytes(&once) == place.bytes(&again), "{machine}");
@@ -250,10 +265,30 @@ fn both_renderers_make_the_same_picture() {
 fn wrong_usage_ends_with_2_and_writes_nothing() {
     let place = Place::new();
     for flags in [
-        "--width 0", "--width -5", "--width 99999999999999999999", "--height 1.5", "--samples 0", "--samples 1025",
-        "--depth -1", "--depth 1000000000", "--cutoff nan", "--cutoff -0.1", "--cutoff 2", "--fresnel maybe",
-        "--shadows", "--threads 0", "--threads 1000000", "--tile 0", "--bits 12", "--exposure inf", "--nonsense",
-        "--quiet --quiet", "extra.toml", "-o a.exr --bits 16", "-o a.gif", "-o noextension",
+        "--width 0",
+        "--width -5",
+        "--width 99999999999999999999",
+        "--height 1.5",
+        "--samples 0",
+        "--samples 1025",
+        "--depth -1",
+        "--depth 1000000000",
+        "--cutoff nan",
+        "--cutoff -0.1",
+        "--cutoff 2",
+        "--fresnel maybe",
+        "--shadows",
+        "--threads 0",
+        "--threads 1000000",
+        "--tile 0",
+        "--bits 12",
+        "--exposure inf",
+        "--nonsense",
+        "--quiet --quiet",
+        "extra.toml",
+        "-o a.exr --bits 16",
+        "-o a.gif",
+        "-o noextension",
     ] {
         place.run(&format!("render scene.toml {flags}")).code(2).stdout(is_empty()).stderr(starts_with("error: "));
     }

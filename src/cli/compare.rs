@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::options::{Compare, Difference};
 use super::{Verdict, output};
-use crate::image::{self, Comparison, Encoding, Film, ReadOptions};
 use crate::Result;
+use crate::image::{self, Comparison, Encoding, Film, ReadOptions};
 
 /// What a pixel may be off by before it is counted, where no tolerance is given: a step of an 8-bit channel.
 const STEP: f64 = 1.0 / 255.0;

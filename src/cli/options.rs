@@ -233,11 +233,7 @@ fn format_of(output: &Destination) -> Result<Format> {
 ///
 /// # Errors
 /// Usage, where `output` is one of the inputs, under whatever name.
-pub(super) fn refuse_input<'a>(
-    flag: &str,
-    output: &Path,
-    inputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<()> {
+pub(super) fn refuse_input<'a>(flag: &str, output: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     let Ok(output_file) = output.canonicalize() else {
         return Ok(());
     };

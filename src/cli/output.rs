@@ -26,7 +26,7 @@ pub(super) fn print(text: &str) -> Result<()> {
 /// # Errors
 /// As [`print`].
 pub(super) fn print_json(value: &impl serde::Serialize) -> Result<()> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::io("standard output", "write", io::Error::other(e)))?;
+    let text =
+        serde_json::to_string_pretty(value).map_err(|e| Error::io("standard output", "write", io::Error::other(e)))?;
     print(&(text + "\n"))
 }

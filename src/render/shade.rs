@@ -176,7 +176,8 @@ impl<I: Intersector> Worker<'_, I> {
         let refracting = lanes & !at.total.bits();
         if refracting != 0 {
             let dir = boundary.refract(surface.incident, surface.shading, &at);
-            let dir = below_surface(dir.normalized(), surface.normal);
+            let dir = dir.normalized();
+            let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
             // Light that is not bent at all stays so to the bit.
             let straight = boundary.kc.eq(F32x8::ZERO);
             let dir = Vec3x8::select(straight, surface.incident, dir);

@@ -23,6 +23,8 @@ pub struct Surface8 {
     pub normal: Vec3x8,
     /// Unit shading normal, on the same side; the geometric one where nothing is interpolated.
     pub shading: Vec3x8,
+    /// Where the shading normal is not the geometric one.
+    pub interpolated: Mask8,
     /// How far along the geometric normal a new ray must start, so that it cannot meet the surface it leaves.
     pub reach: F32x8,
     /// Whether the ray came from outside.
@@ -88,6 +90,7 @@ impl Surface8 {
             point: place.point,
             normal,
             shading,
+            interpolated: place.interpolated,
             reach: place.reach,
             front,
             hit,
