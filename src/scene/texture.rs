@@ -32,12 +32,10 @@ pub enum Beyond {
 }
 
 impl Texture {
-    /// The colour at texture coordinates (`u`, `v`), of any size, in `f64`. NaN where they are not finite.
+    /// The colour at texture coordinates (`u`, `v`), of any size, in `f64`. One that is not finite counts as 0.
     #[must_use]
     pub fn lookup(&self, u: f64, v: f64, beyond: Beyond) -> DVec3 {
-        if !(u.is_finite() && v.is_finite()) {
-            return DVec3::NAN;
-        }
+        let [u, v] = [u, v].map(|t| if t.is_finite() { t } else { 0.0 });
         // Whole turns go first, so that large coordinates keep what digits they have.
         let x = (u - u.floor()) * f64::from(self.width) - 0.5;
         let v = if beyond == Beyond::Repeat { v - v.floor() } else { v.clamp(0.0, 1.0) };
@@ -87,6 +85,6 @@ mod tests {
         assert_eq!(at(0.25, 1.0, Beyond::Repeat), 5.0);
         assert_eq!(at(0.25, 1.0, Beyond::Hold), 0.0);
         assert_eq!(at(0.25, 0.0, Beyond::Hold), 10.0);
-        assert!(at(f64::NAN, 0.0, Beyond::Hold).is_nan());
+        assert_eq!(at(f64::NAN, 0.75, Beyond::Repeat), at(0.0, 0.75, Beyond::Repeat));
     }
 }

@@ -193,3 +193,16 @@ fn a_light_that_stands_on_the_surface_is_left_out_and_counted() {
     let seen = trace(&scene, [0.0, 2.0, 0.0], [0.0, -1.0, 0.0]);
     assert_eq!((seen.radiance.x, seen.non_finite), (0.0, 1));
 }
+
+#[test]
+fn light_passes_256_surfaces_and_no_more() {
+    for (panes, want) in [(256, 1.5), (257, 0.0)] {
+        let mut scene = floor(LightKind::Point { position: Vec3::new(0.0, 4.0, 0.0) }, Falloff::None);
+        scene.settings.max_depth = 0;
+        for i in 0..panes {
+            let hole = bare(Interface::Alpha { opacity: 0.0 });
+            put(&mut scene, plane(Vec3::Y * (3.0 + i as f32 / 512.0), Vec3::Y), hole);
+        }
+        close(seen(&scene), want, 0.0);
+    }
+}

@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
 use super::{Hit64, Ray64};
-use crate::geometry::{COORDINATE_LIMIT, Geometry, GeometryMask, Plane, Shape, Sphere};
+use crate::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere};
 
 /// One thing that can be hit.
 #[derive(Clone, Copy, Debug)]
@@ -87,18 +87,14 @@ impl Primitive {
     }
 }
 
-fn is_placed(p: glam::Vec3) -> bool {
-    p.abs().cmple(glam::Vec3::splat(COORDINATE_LIMIT)).all()
-}
-
 fn sphere_form(sphere: &Sphere) -> Option<Form> {
-    let usable = is_placed(sphere.centre) && sphere.radius > 0.0 && sphere.radius <= COORDINATE_LIMIT;
-    usable.then(|| Form::Sphere { centre: sphere.centre.as_dvec3(), radius: f64::from(sphere.radius) })
+    let form = || Form::Sphere { centre: sphere.centre.as_dvec3(), radius: f64::from(sphere.radius) };
+    sphere.is_usable().then(form)
 }
 
 fn plane_form(plane: &Plane) -> Option<Form> {
-    let normal = plane.normal.as_dvec3().try_normalize()?;
-    is_placed(plane.point).then(|| Form::Plane { point: plane.point.as_dvec3(), normal })
+    let form = || Form::Plane { point: plane.point.as_dvec3(), normal: plane.normal.as_dvec3().normalize() };
+    plane.is_usable().then(form)
 }
 
 /// Both roots in ascending order, by the form that neither cancels in the discriminant nor in the nearer root

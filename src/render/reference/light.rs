@@ -10,6 +10,9 @@ use crate::geometry::GeometryMask;
 use crate::optics::{Boundary, thin_reflectance, transmittance};
 use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule};
 
+/// Transmissive surfaces that light passes on its way, at most; more count as an opaque one.
+const MARCHED_AT_MOST: usize = 256;
+
 /// Light that arrives at a point, were nothing in its way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arriving {
@@ -87,7 +90,12 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
         let absorption = scene.media[stack.top(scene) as usize].absorption.as_dvec3();
         transmittance(absorption.into(), distance).into()
     };
-    for crossing in surface::crossings(scene, &prepared.accel, &Ray64 { admits: GeometryMask::TRANSMISSIVE, ..*ray }) {
+    let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, ..*ray };
+    let crossings = surface::crossings(scene, &prepared.accel, &marched);
+    if crossings.len() > MARCHED_AT_MOST {
+        return (DVec3::ZERO, 0);
+    }
+    for crossing in crossings {
         share_left *= absorbed(&stack, crossing.t - reached);
         reached = crossing.t;
         let cos = crossing.cos;
