@@ -3,7 +3,7 @@
 #version 3.7;
 #include "common.inc"
 #include "floor.inc"
-Global(13)
+Global(11)
 View(<0.3, 1.7, 4.2>, <0, 0.9, 0>, 38)
 background { Sky }
 TileFloor()

@@ -1,0 +1,167 @@
+//! Against a renderer nobody here wrote: POV-Ray's pictures of the scenes in `tests/reference`, made by the script
+//! `make` in that folder, are what ours must look like.
+//!
+//! A pixel may differ by [`TOLERANCE`] in a channel, and one in a thousand by more: where it looks along an edge or a
+//! path so ill-conditioned that the value belongs to no single ray. The `f64` renderer decides which pixels those
+//! are: its own value there moves by more than the tolerance when the camera ray moves by a few ulps of `f32`.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use vitrum::accel::Unbounded;
+use vitrum::accel::native::Native;
+use vitrum::image::Film;
+use vitrum::load;
+use vitrum::optics::FresnelModel;
+use vitrum::render::reference::{self, Prepared};
+use vitrum::render::{self, Observer, Options};
+use vitrum::scene::Scene;
+
+/// Most that a channel of a pixel may differ, in radiance.
+const TOLERANCE: f64 = 5e-4;
+
+/// How far a camera ray is moved to see whether a pixel is well-conditioned, in ulps of 1.
+const ULPS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+
+/// A picture of the reference folder: linear radiance in rows from the top.
+struct Picture {
+    width: u32,
+    height: u32,
+    pixels: Vec<[f64; 3]>,
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference")
+}
+
+fn povray(name: &str) -> Picture {
+    let file = File::open(folder().join(name).with_extension("png")).expect("the picture is committed");
+    let mut reader = png::Decoder::new(BufReader::new(file)).read_info().expect("a PNG");
+    let mut bytes = vec![0; reader.output_buffer_size().expect("a small picture")];
+    let info = reader.next_frame(&mut bytes).expect("a whole PNG");
+    assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Sixteen), "{name}");
+    let level = |i: usize| f64::from(u16::from_be_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0;
+    let pixels = (0..bytes.len() / 6).map(|i| [level(3 * i), level(3 * i + 1), level(3 * i + 2)]).collect();
+    Picture { width: info.width, height: info.height, pixels }
+}
+
+fn load_scene(name: &str) -> Scene {
+    let path = folder().join(name).with_extension("toml");
+    match load::scene(&path, &load::LoadOptions::default()) {
+        Ok(loaded) => {
+            assert!(loaded.report.warnings.is_empty(), "{name}: {:?}", loaded.report.warnings);
+            loaded.scene
+        }
+        Err(e) => panic!("{e}"),
+    }
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, |worst, d| if d <= worst { worst } else { d })
+}
+
+/// Whether the `f64` renderer's own value of pixel (x, y) moves by more than the tolerance when the camera ray's
+/// direction, and its origin if that is what tells rays apart, moves by a few ulps.
+fn is_ill_conditioned(prepared: &Prepared<'_>, scene: &Scene, x: u32, y: u32) -> bool {
+    let (origin, dir) = prepared.camera_ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    let here = prepared.radiance_along(origin, dir);
+    let (right, up) = dir.any_orthonormal_pair();
+    let reach = scene.camera.eye.as_dvec3().abs().max_element();
+    ULPS.iter().any(|ulps| {
+        (0..8).any(|turn| {
+            let (s, c) = (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos();
+            let step: DVec3 = (right * c + up * s) * (ulps * f64::from(f32::EPSILON));
+            let moved = [(origin, (dir + step).normalize()), (origin + step * reach, dir)];
+            moved.iter().any(|&(o, d)| difference(prepared.radiance_along(o, d), here) > TOLERANCE)
+        })
+    })
+}
+
+fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, prepared: &Prepared<'_>, scene: &Scene) {
+    assert_eq!((film.width, film.height), (expected.width, expected.height), "{name}");
+    let mut beyond = Vec::new();
+    let (mut worst, mut sum) = (0.0_f64, 0.0);
+    for y in 0..film.height {
+        for x in 0..film.width {
+            let theirs = expected.pixels[(y * film.width + x) as usize];
+            let ours = film.at(x, y).map(f64::from);
+            let d = difference(ours, theirs);
+            sum += d;
+            if d <= TOLERANCE {
+                worst = worst.max(d);
+            } else {
+                beyond.push((x, y, ours, theirs));
+            }
+        }
+    }
+    let pixels = expected.pixels.len();
+    let (mean, n) = (sum / pixels as f64, beyond.len());
+    println!(
+        "{name:10} {renderer:9} mean {mean:.1e}, {n} of {pixels} beyond {TOLERANCE:.0e}, the others within {worst:.1e}"
+    );
+    assert!(
+        n * 1000 <= pixels,
+        "{name}, {renderer} renderer: {n} of {pixels} pixels are beyond {TOLERANCE}: {beyond:?}"
+    );
+    beyond.retain(|&(x, y, ..)| !is_ill_conditioned(prepared, scene, x, y));
+    assert!(
+        beyond.is_empty(),
+        "{name}, {renderer} renderer: pixels (x, y, ours, theirs) differ and are no edges: {beyond:?}"
+    );
+}
+
+/// Renders `name` both ways and holds both pictures against POV-Ray's.
+fn agrees_with_povray(name: &str, fresnel: FresnelModel) {
+    let scene = load_scene(name);
+    let expected = povray(name);
+    assert!(expected.pixels.iter().flatten().all(|&v| v < 1.0), "{name}: the picture is clipped");
+    let options = Options { fresnel, ..Options::default() };
+    let observer = Observer::default();
+    let prepared = Prepared::new(&scene, fresnel);
+
+    let film = reference::render(&scene, &options, &observer).expect("renders").film;
+    hold_against("reference", name, &film, &expected, &prepared, &scene);
+
+    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let outcome = render::render(&scene, &accel, &options, &observer).expect("renders");
+    assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{name}");
+    hold_against("native", name, &outcome.film, &expected, &prepared, &scene);
+}
+
+macro_rules! scenes {
+    ($($(#[$why:meta])* $test:ident: $name:literal, $fresnel:ident;)*) => {
+        $($(#[$why])* #[test] fn $test() { agrees_with_povray($name, FresnelModel::$fresnel); })*
+
+        #[test]
+        fn every_picture_of_the_folder_is_compared_and_has_its_sources() {
+            let compared = BTreeSet::from([$($name.to_owned()),*]);
+            let stems = |extension: &str| -> BTreeSet<String> {
+                let files = fs::read_dir(folder()).expect("the folder is there").map(|f| f.expect("readable").path());
+                let ours = files.filter(|f| f.extension().is_some_and(|e| e == extension));
+                ours.map(|f| f.file_stem().expect("a name").to_string_lossy().into_owned()).collect()
+            };
+            for extension in ["png", "pov", "toml"] {
+                assert_eq!(stems(extension), compared, "{extension}");
+            }
+        }
+    };
+}
+
+scenes! {
+    a_glass_ball_over_tiles: "sphere", Exact;
+    a_cut_stone_of_flat_facets: "gem", Exact;
+    /// POV-Ray gets Fresnel's share wrong where a ray leaves one medium into another, so the share is fixed.
+    four_balls_each_inside_the_one_before: "nested", Off;
+    dense_glass_enclosed_in_water: "enclosed", Exact;
+    glass_and_a_bubble_with_the_eye_under_water: "submerged", Exact;
+    the_window_of_snell_from_inside_the_water: "window", Exact;
+    coloured_glass_by_the_law_of_fading: "coloured", Exact;
+    coloured_glass_along_ways_of_any_length: "tinted", Exact;
+    facing_mirrors_at_forty_reflections: "hall", Exact;
+    a_point_light_and_its_shadows: "shadow", Exact;
+    highlights_under_a_spot_and_a_directional_light: "lights", Exact;
+    half_mirrors_and_varnish_in_parallel_projection: "mixed", Exact;
+}
