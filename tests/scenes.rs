@@ -1,0 +1,71 @@
+//! The scenes of the project are what they say: they load without a warning, render without a number gone wrong, and
+//! the sizes of the sweep are those of their names.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use vitrum::accel::native::Native;
+use vitrum::accel::{Intersector as _, Unbounded};
+use vitrum::load;
+use vitrum::render::{Observer, Options, render};
+use vitrum::scene::Scene;
+
+fn scene_files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut files: Vec<_> =
+        fs::read_dir(folder).expect("the folder is there").map(|f| f.expect("readable").path()).collect();
+    files.retain(|f| f.extension().is_some_and(|e| e == "toml"));
+    files.sort();
+    assert!(files.len() >= 12, "{files:?}");
+    files
+}
+
+fn load_scene(file: &Path) -> Scene {
+    let loaded = load::scene(file, &load::LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    assert!(loaded.report.warnings.is_empty(), "{}: {:?}", file.display(), loaded.report.warnings);
+    assert!(loaded.report.dropped.is_empty(), "{}: {:?}", file.display(), loaded.report.dropped);
+    loaded.scene
+}
+
+#[test]
+fn every_scene_opens_with_a_comment_that_says_what_it_shows() {
+    for file in scene_files() {
+        let text = fs::read_to_string(&file).expect("readable");
+        let comment: usize = text.lines().take_while(|l| l.starts_with('#')).map(str::len).sum();
+        assert!(comment > 60, "{}", file.display());
+    }
+}
+
+#[test]
+fn every_scene_renders_to_sound_radiance() {
+    for file in scene_files() {
+        let mut scene = load_scene(&file);
+        let settings = &mut scene.settings;
+        (settings.width, settings.height, settings.samples) = (settings.width / 20, settings.height / 20, 1);
+        let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        assert_eq!(accel.build_stats().dropped, 0, "{}", file.display());
+        let outcome = render(&scene, &accel, &Options::default(), &Observer::default()).expect("renders");
+        assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{}", file.display());
+        let pixels = &outcome.film.pixels;
+        assert!(pixels.iter().flatten().all(|&v| v >= 0.0), "{}", file.display());
+        let mean = pixels.iter().flatten().sum::<f32>() / (3 * pixels.len()) as f32;
+        assert!((0.1..0.7).contains(&mean), "{}: mean radiance {mean}", file.display());
+        let bright = pixels.iter().filter(|p| p.iter().any(|&v| v > 1.0)).count();
+        assert!(
+            bright * 50 < pixels.len(),
+            "{}: {bright} of {} pixels are too bright to show",
+            file.display(),
+            pixels.len()
+        );
+    }
+}
+
+#[test]
+fn the_sweep_has_the_sizes_of_its_names() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for (name, triangles) in [("sweep-1k", 1e3), ("sweep-10k", 1e4), ("sweep-100k", 1e5), ("sweep-1m", 1e6)] {
+        let scene = load_scene(&folder.join(name).with_extension("toml"));
+        let stats = Unbounded::new(Native::build(&scene.geometry), &scene.geometry).build_stats();
+        assert!((stats.triangles as f64 / triangles - 1.0).abs() < 0.03, "{name}: {}", stats.triangles);
+    }
+}
