@@ -218,7 +218,8 @@ impl Place {
 
 /// Points from barycentrics. `reach` covers both what rounding can put the point off the plane (seven operations,
 /// pbrt section 6.8.4, and two for the offset itself) and what rounding in the intersection test can move a triangle
-/// of this size (four units of the longest edge).
+/// of this size: four units of the longest edge, as many times more as the triangle is longer than high, because the
+/// test's weights are quotients by its area.
 fn on_triangles([a, b, c]: [Vec3x8; 3], u: F32x8, v: F32x8) -> Place {
     let w = F32x8::ONE - u - v;
     let point = c.fma(v, b.fma(u, a * w));
@@ -227,8 +228,10 @@ fn on_triangles([a, b, c]: [Vec3x8; 3], u: F32x8, v: F32x8) -> Place {
     let size = e1.abs().max_component().max(e2.abs().max_component());
     // Scaled to size 1, so that the product of tiny edges does not underflow.
     let scale = F32x8::ONE / size;
-    let outward = (e1 * scale).cross(e2 * scale).normalized();
-    let reach = outward.abs().dot(magnitude) * F32x8::from(gamma(9)) + size * F32x8::from(gamma(4));
+    let spanned = (e1 * scale).cross(e2 * scale);
+    let thickness = spanned.length();
+    let outward = spanned * (F32x8::ONE / thickness);
+    let reach = outward.abs().dot(magnitude) * F32x8::from(gamma(9)) + size * F32x8::from(gamma(4)) / thickness;
     Place { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
 }
 
