@@ -7,7 +7,7 @@ use vitrum::accel::native::Native;
 use vitrum::geometry::{Geometry, GeometryMask, Shape};
 use vitrum::load::shapes;
 use vitrum::render::{Observer, Options, reference, render};
-use vitrum::scene::{Camera, Falloff, Light, LightKind, Material, Medium, Object, Rgb, Scene};
+use vitrum::scene::{Camera, Falloff, Light, LightKind, Material, Medium, Object, Projection, Rgb, Scene};
 
 /// A rod of 64 triangles of 1.9 by 0.007, leaning, lit from the left.
 fn lit_rod() -> Scene {
@@ -32,7 +32,12 @@ fn lit_rod() -> Scene {
             falloff: Falloff::None,
             shadows: true,
         }],
-        camera: Camera { eye: Vec3::new(0.9, 1.75, 3.6), target: Vec3::new(0.02, 1.4, 0.0), ..Camera::default() },
+        camera: Camera {
+            eye: Vec3::new(0.9, 1.75, 3.6),
+            target: Vec3::new(0.02, 1.4, 0.0),
+            projection: Projection::Pinhole { vfov: 22.0 },
+            ..Camera::default()
+        },
         ..Scene::default()
     };
     (scene.settings.width, scene.settings.height) = (160, 160);
