@@ -311,6 +311,25 @@ fn a_wrong_scene_is_named_with_its_line() {
 }
 
 #[test]
+fn what_was_left_out_is_told_and_under_strict_an_error() {
+    let place = Place::new();
+    std::fs::write(place.path("odd.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n").unwrap();
+    place
+        .run("render odd.obj --width 16 --height 16")
+        .code(0)
+        .stderr(contains("1 triangle,").and(contains("odd.obj:")));
+    std::fs::remove_file(place.path("odd.png")).unwrap();
+    place.run("render odd.obj --strict").code(2).stderr(error_line("odd.obj:"));
+    // An open sheet of glass, seen from behind: rays leave what they never entered.
+    let sheet = SCENE.replace("shape = \"sphere\"", "shape = \"disc\"\nnormal = [0, 0, -1]");
+    std::fs::write(place.path("sheet.toml"), sheet).unwrap();
+    place.run("render sheet.toml").code(0).stderr(contains("unmatched"));
+    std::fs::remove_file(place.path("sheet.png")).unwrap();
+    place.run("render sheet.toml --strict").code(2).stderr(error_line("sheet.toml:"));
+    assert_eq!(place.names(), ["odd.obj", "scene.toml", "sheet.toml"]);
+}
+
+#[test]
 fn what_is_not_there_or_too_large_has_its_own_exit_code() {
     let place = Place::new();
     place.run("render none.toml").code(3).stderr(error_line("none.toml"));

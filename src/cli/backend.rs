@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use super::interrupt;
 use super::options::Backend;
-use crate::Result;
 use crate::accel::{BuildStats, Intersector as _, Unbounded, native::Native};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
+use crate::{Error, Result};
 
 /// A picture and what it took.
 pub(super) struct Traced {
@@ -23,6 +23,11 @@ pub(super) struct Traced {
 /// # Errors
 /// `Interrupted`; a limit, where threads cannot be started.
 pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer: &Observer) -> Result<Traced> {
+    // Trees are built by rayon's own threads.
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(options.thread_count())
+        .build_global()
+        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.thread_count())))?;
     let start = Instant::now();
     match backend {
         Backend::Native => {

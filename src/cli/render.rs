@@ -95,3 +95,42 @@ fn write(job: &Render, scene: &Scene, film: &Film, observer: &Observer) -> Resul
     job.output.write(&encoded.bytes, || !observer.stop.load(Ordering::SeqCst))?;
     Ok(encoded.clipped)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::accel::BuildStats;
+    use crate::render::{Outcome, RayCounts};
+
+    #[test]
+    fn strict_lets_nothing_pass_that_was_dropped_clamped_or_left_unmatched() {
+        let traced = |dropped, non_finite, clamped, unmatched_exits| Traced {
+            outcome: Outcome {
+                film: Film::default(),
+                truncated: Film::default(),
+                rays: RayCounts::default(),
+                non_finite,
+                clamped,
+                unmatched_exits,
+            },
+            build: Some(BuildStats { dropped, ..BuildStats::default() }),
+            build_time: Duration::ZERO,
+            render_time: Duration::ZERO,
+        };
+        let refused =
+            |traced: &Traced| refuse_losses(Path::new("a.toml"), traced).map_err(|e| (e.exit_code(), e.to_string()));
+        assert_eq!(refused(&traced(0, 0, 0, 0)), Ok(()));
+        for (lossy, word) in [
+            (traced(7, 0, 0, 0), "7 primitives"),
+            (traced(0, 7, 0, 0), "not finite"),
+            (traced(0, 0, 7, 0), "clamped"),
+            (traced(0, 0, 0, 7), "never entered"),
+        ] {
+            let (code, message) = refused(&lossy).unwrap_err();
+            assert_eq!(code, 2);
+            assert!(message.starts_with("a.toml: 7 ") && message.contains(word), "{message}");
+        }
+    }
+}
