@@ -52,32 +52,36 @@ pub struct Picture {
 /// Io, where the file cannot be read; a file error, where it is no such picture, damaged or of size 0; a limit,
 /// where it is larger than the options allow.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture> {
-    let bytes = bytes_of(path, options.limits.bytes)?;
+    decode(&bytes_of(path, options.limits.bytes)?, path, options)
+}
+
+/// [`read`], of a file's bytes that are there already; errors call it `path`.
+fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
     let wrong = |kind: &'static str| move |e: String| Error::file(path, format!("not a readable {kind}: {e}"));
     let check = |(width, height)| check_size(path, width, height, options.limits);
 
-    let (film, alpha_dropped) = match bytes.as_slice() {
+    let (film, alpha_dropped) = match bytes {
         [0x89, b'P', b'N', b'G', ..] => {
-            let header = png::header(&bytes).map_err(wrong("PNG"))?;
+            let header = png::header(bytes).map_err(wrong("PNG"))?;
             check(header.size())?;
             header.decode(options.linear).map_err(wrong("PNG"))?
         }
         [0x76, 0x2f, 0x31, 0x01, ..] => {
-            check(exr::size(&bytes).map_err(wrong("OpenEXR file"))?)?;
-            exr::decode(&bytes).map_err(wrong("OpenEXR file"))?
+            check(exr::size(bytes).map_err(wrong("OpenEXR file"))?)?;
+            exr::decode(bytes).map_err(wrong("OpenEXR file"))?
         }
         [b'P', b'F' | b'f', ..] => {
-            let header = pfm::header(&bytes).map_err(wrong("PFM"))?;
+            let header = pfm::header(bytes).map_err(wrong("PFM"))?;
             check((header.width, header.height))?;
-            (pfm::decode(&bytes, &header).map_err(wrong("PFM"))?, false)
+            (pfm::decode(bytes, &header).map_err(wrong("PFM"))?, false)
         }
         [b'#', b'?', ..] => {
-            check(dimensions(&bytes, ImageFormat::Hdr).map_err(wrong("Radiance HDR picture"))?)?;
-            (hdr(&bytes, options.limits).map_err(wrong("Radiance HDR picture"))?, false)
+            check(dimensions(bytes, ImageFormat::Hdr).map_err(wrong("Radiance HDR picture"))?)?;
+            (hdr(bytes, options.limits).map_err(wrong("Radiance HDR picture"))?, false)
         }
         [0xff, 0xd8, ..] => {
-            check(dimensions(&bytes, ImageFormat::Jpeg).map_err(wrong("JPEG"))?)?;
-            (jpeg(&bytes, options).map_err(wrong("JPEG"))?, false)
+            check(dimensions(bytes, ImageFormat::Jpeg).map_err(wrong("JPEG"))?)?;
+            (jpeg(bytes, options).map_err(wrong("JPEG"))?, false)
         }
         _ => return Err(Error::file(path, "no picture of a kind that is read: PNG, OpenEXR, Radiance HDR, PFM, JPEG")),
     };
@@ -120,7 +124,7 @@ fn dimensions(bytes: &[u8], format: ImageFormat) -> std::result::Result<(u32, u3
 }
 
 /// Decodes through `ImageReader`, the one way into `image` that keeps its limits.
-fn decode(bytes: &[u8], format: ImageFormat, limits: Limits) -> std::result::Result<DynamicImage, String> {
+fn decode_by_image(bytes: &[u8], format: ImageFormat, limits: Limits) -> std::result::Result<DynamicImage, String> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut own = ::image::Limits::default();
     own.max_image_width = Some(limits.edge);
@@ -131,12 +135,12 @@ fn decode(bytes: &[u8], format: ImageFormat, limits: Limits) -> std::result::Res
 }
 
 fn hdr(bytes: &[u8], limits: Limits) -> std::result::Result<Film, String> {
-    let picture = decode(bytes, ImageFormat::Hdr, limits)?.into_rgb32f();
+    let picture = decode_by_image(bytes, ImageFormat::Hdr, limits)?.into_rgb32f();
     Ok(Film { width: picture.width(), height: picture.height(), pixels: picture.pixels().map(|p| p.0).collect() })
 }
 
 fn jpeg(bytes: &[u8], options: &ReadOptions) -> std::result::Result<Film, String> {
-    let picture = decode(bytes, ImageFormat::Jpeg, options.limits)?.into_rgb8();
+    let picture = decode_by_image(bytes, ImageFormat::Jpeg, options.limits)?.into_rgb8();
     let table: Vec<f32> = (0..=255_u8)
         .map(|code| f64::from(code) / 255.0)
         .map(|x| if options.linear { x } else { linear_from_srgb(x) } as f32)
@@ -298,7 +302,7 @@ mod tests {
         for format in [Format::Png, Format::Exr, Format::Hdr, Format::Pfm] {
             let whole = bytes(&film(), format, Bits::Sixteen);
             for end in 0..whole.len() {
-                let cut = read(file(&whole[..end]).path(), &ReadOptions::default());
+                let cut = decode(&whole[..end], Path::new("cut"), &ReadOptions::default());
                 // A PNG may do without its end chunk, and without the check sum of its deflate stream.
                 assert!(cut.is_err() || format == Format::Png, "{format:?} cut at {end} of {}", whole.len());
             }
@@ -307,7 +311,7 @@ mod tests {
                 for flip in [0x01, 0x80, 0xff] {
                     let mut damaged = whole.clone();
                     damaged[at] ^= flip;
-                    let _ = read(file(&damaged).path(), &ReadOptions { limits, linear: false });
+                    let _ = decode(&damaged, Path::new("damaged"), &ReadOptions { limits, linear: false });
                 }
             }
         }
