@@ -66,7 +66,7 @@ fn sort_attributes(bytes: &mut [u8]) {
 
 /// Columns and rows of the largest layer, from the header alone.
 pub(super) fn size(bytes: &[u8]) -> std::result::Result<(u32, u32), String> {
-    let meta = MetaData::read_from_buffered(bytes, true).map_err(|e| e.to_string())?;
+    let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| e.to_string())?;
     let mut largest = Vec2(0, 0);
     for header in &meta.headers {
         if header.deep {
