@@ -26,6 +26,8 @@ pub(super) struct Assembly<'a> {
 impl<'a> Assembly<'a> {
     /// An empty scene for the file `path`, with air around it.
     pub(super) fn new(path: &Path, options: &'a LoadOptions) -> Result<Self> {
+        // So that a scene that is not there is named itself and not its folder.
+        std::fs::metadata(path).map_err(|e| Error::io(path, "read", e))?;
         let folder = options.root.as_deref().unwrap_or_else(|| super::source::folder_of(path));
         Ok(Self {
             scene: Scene { media: vec![Medium::air()], ..Scene::default() },

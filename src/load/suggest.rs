@@ -10,8 +10,9 @@ pub(super) fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>)
     known
         .into_iter()
         .filter(|name| name.len() <= 128)
-        .map(|name| (strsim::jaro_winkler(&given, &name.to_lowercase()), name))
-        .filter(|&(likeness, _)| likeness > 0.75)
+        .map(|name| (strsim::normalized_damerau_levenshtein(&given, &name.to_lowercase()), name))
+        // One slip in three letters still counts.
+        .filter(|&(likeness, _)| likeness > 0.6)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)
 }
@@ -34,6 +35,7 @@ mod tests {
         let keys = ["intensity", "position", "falloff"];
         assert_eq!(nearest("intensty", keys), Some("intensity"));
         assert_eq!(nearest("Positon", keys), Some("position"));
+        assert_eq!(nearest("fvo", ["eye", "fov"]), Some("fov"));
         assert_eq!(nearest("qqqq", keys), None);
         assert_eq!(nearest(&"a".repeat(100_000), keys), None);
     }

@@ -8,7 +8,7 @@ pub(super) const MOST_CONCAVE_CORNERS: usize = 8_192;
 const MOST_LOOKS: u64 = 1 << 30;
 
 /// Cuts the polygon through `points` into `points.len() - 2` triangles of indices into it, without overlap for any
-/// simple polygon near a plane: a fan where it is convex, ear by ear (Meisters 1975) where it is not. Corners on a
+/// simple polygon near a plane: a fan where its first corner sees all of it, else ear by ear (Meisters 1975). Corners on a
 /// straight edge stay, since neighbours may need them, and may leave triangles without area.
 ///
 /// # Errors
@@ -20,7 +20,9 @@ pub(super) fn triangulate(points: &[DVec3], out: &mut Vec<[usize; 3]>) -> Result
         return Ok(());
     }
     let flat = flatten(points);
-    if is_convex(&flat) {
+    // Coordinates come as f32: dents of their rounding are none.
+    let rounding = points.iter().fold(0f64, |m, p| m.max(p.abs().max_element())) * f64::from(f32::EPSILON);
+    if is_fan(&flat, rounding) {
         out.extend((1..count - 1).map(|i| [0, i, i + 1]));
         return Ok(());
     }
@@ -52,25 +54,19 @@ fn area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Whether every turn is to the left (or none) and the whole goes round once.
-fn is_convex(points: &[DVec2]) -> bool {
-    let count = points.len();
-    let mut reversals = 0;
-    let mut last = 0.0;
-    for i in 0..count {
-        let (a, b, c) = (points[i], points[(i + 1) % count], points[(i + 2) % count]);
-        if area(a, b, c) < 0.0 || (area(a, b, c) == 0.0 && (b - a).dot(c - b) < 0.0) {
+/// Whether the fan from the first corner covers the polygon once: no triangle of it is turned over by more than
+/// `slack` times the sum of its sides there, and together they go round at most once.
+fn is_fan(points: &[DVec2], slack: f64) -> bool {
+    let mut angle = 0.0;
+    for w in points[1..].windows(2) {
+        let (a, b) = (w[0] - points[0], w[1] - points[0]);
+        let area = a.perp_dot(b);
+        if area < -slack * (a.length() + b.length()) {
             return false;
         }
-        let dx = b.x - a.x;
-        if dx != 0.0 {
-            if dx * last < 0.0 {
-                reversals += 1;
-            }
-            last = dx;
-        }
+        angle += area.max(0.0).atan2(a.dot(b));
     }
-    reversals <= 2
+    angle < std::f64::consts::TAU * (1.0 + 1e-9)
 }
 
 /// Whether it came to an end before [`MOST_LOOKS`].
