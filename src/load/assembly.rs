@@ -8,7 +8,7 @@ use super::source::Root;
 use super::topology::{Edges, weld};
 use super::{LoadOptions, Loaded, texture};
 use crate::geometry::{Geometry, GeometryMask, Shape};
-use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Scene};
+use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
 use crate::{Error, Result};
 
 /// A scene in the making, with what its parts share.
@@ -62,15 +62,18 @@ impl<'a> Assembly<'a> {
         }
         let mut limits = self.options.limits;
         limits.texture_bytes = limits.texture_bytes.saturating_sub(self.picture_bytes);
-        let (picture, repaired) = texture::read(path, &limits)?;
-        self.picture_bytes += picture.pixels.len() as u64 * 12;
-        if repaired > 0 {
-            self.reporter.warn(path, 0, "pixels that are not finite or are negative count as black", || {
-                format!(" ({repaired} of {})", picture.pixels.len())
-            })?;
+        let reading = texture::read(path, &limits)?;
+        let pixels = reading.texture.pixels.len() as u64;
+        self.picture_bytes += pixels * size_of::<Rgb>() as u64;
+        if reading.repaired > 0 {
+            let kind = "pixels that are not finite or below zero count as black in those channels";
+            self.reporter.warn(path, 0, kind, || format!(" ({} of {pixels})", reading.repaired))?;
+        }
+        if reading.alpha_dropped {
+            self.reporter.warn(path, 0, "the picture's alpha channel is left out", String::new)?;
         }
         let place = self.scene.textures.len() as u32;
-        self.scene.textures.push(picture);
+        self.scene.textures.push(reading.texture);
         self.pictures.insert(path.to_owned(), place);
         Ok(place)
     }

@@ -203,10 +203,10 @@ pub(super) fn basis(n: DVec3) -> (DVec3, DVec3) {
 }
 
 /// The map of the unit square shapes: their +y to `normal`, their size to `scale`, their middle to `centre`.
-pub(super) fn facing(normal: DVec3, scale: f64, centre: Vec3) -> Result<Transform, String> {
+pub(super) fn facing(normal: DVec3, scale: f64, centre: DVec3) -> Result<Transform, String> {
     let (z, x) = if normal == DVec3::Y { (DVec3::Z, DVec3::X) } else { basis(normal) };
     let linear = DMat3::from_cols(x * scale, normal * scale, z * scale);
-    Transform::new(DMat4::from_translation(centre.as_dvec3()) * DMat4::from_mat3(linear))
+    Transform::new(DMat4::from_translation(centre) * DMat4::from_mat3(linear))
 }
 
 #[cfg(test)]
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn facing_takes_up_to_the_normal_without_mirroring() {
         for n in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::NEG_Z, DVec3::new(1.0, 2.0, -3.0).normalize()] {
-            let t = facing(n, 2.0, Vec3::new(1.0, 1.0, 1.0)).unwrap();
+            let t = facing(n, 2.0, DVec3::ONE).unwrap();
             assert!((t.point(DVec3::Y) - (n * 2.0 + 1.0)).length() < 1e-12, "{n}");
             assert!(!t.mirrors(), "{n}");
         }

@@ -50,8 +50,7 @@ pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
     Ok(light)
 }
 
-/// Where the light goes: `direction`, or towards `target` (from `position` where it has one, else from the origin's
-/// side given by `position` key).
+/// Where the light goes: along `direction`, or from `position` towards `target`.
 fn direction(table: &Table<'_>, position: Vec3) -> Result<DVec3> {
     let (given, target) = (table.get("direction"), table.get("target"));
     match (given, target) {

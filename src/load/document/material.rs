@@ -139,12 +139,7 @@ fn absorption(table: &Table<'_>) -> Result<Rgb> {
         }
         (None, Some(v)) => {
             let over = distance.map(|d| d.positive()).transpose()?.unwrap_or(1.0) as f32;
-            let absorption = absorption_from_colour(v.share()?, over);
-            if absorption.is_finite() {
-                Ok(absorption)
-            } else {
-                Err(v.error("this colour at this distance absorbs without bound"))
-            }
+            Ok(absorption_from_colour(v.share()?, over))
         }
     }
 }

@@ -9,11 +9,13 @@ use crate::geometry::{Plane, Shape, Sphere, TriMesh};
 use crate::load::assembly::Assembly;
 use crate::load::obj;
 use crate::load::shapes::{self, Wave};
-use crate::load::transform::{Transform, facing, flip};
+use crate::load::transform::{Transform, facing, flip, within_limit};
 use crate::scene::Origin;
 
 /// The finest tessellation: beyond it a shape has more triangles than a scene may.
 const FINEST: u32 = 16_384;
+/// Waves of one height field; each costs its sine at every corner.
+const MOST_WAVES: usize = 256;
 /// Bend up to which a lathe's profile is shaded smoothly, in degrees, where nothing else is said.
 const LATHE_CREASE: f64 = 50.0;
 
@@ -136,7 +138,7 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
         }
         Ok(steps)
     };
-    let centre = || table.or("center", Vec3::ZERO, Value::point);
+    let centre = || table.or("center", DVec3::ZERO, Value::place);
     let radius = || table.or("radius", 1.0, Value::positive);
     let place =
         |mesh: &mut TriMesh, t: std::result::Result<Transform, String>| t.and_then(|t| t.mesh(mesh)).map_err(fail);
@@ -150,11 +152,11 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
         Kind::Sphere => {
             let (centre, radius) = (centre()?, radius()?);
             let Some(n) = steps(None, |n| 4 * n * n)? else {
-                return Ok(Shape::Sphere(Sphere { centre, radius: radius as f32 }));
+                return Ok(Shape::Sphere(Sphere { centre: centre.as_vec3(), radius: radius as f32 }));
             };
             let mut mesh = shapes::sphere(n);
             flat(&mut mesh)?;
-            place(&mut mesh, Transform::from_parts(DVec3::splat(radius), DVec3::ZERO, centre.as_dvec3()))?;
+            place(&mut mesh, Transform::from_parts(DVec3::splat(radius), DVec3::ZERO, centre))?;
             mesh
         }
         Kind::Plane => {
@@ -166,7 +168,7 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
             let n = steps(Some(1), |n| 12 * n * n)?.unwrap_or(1);
             let mut mesh = shapes::cuboid(n);
             let size = table.or("size", DVec3::ONE, Value::extent)?;
-            place(&mut mesh, Transform::from_parts(size, DVec3::ZERO, centre()?.as_dvec3()))?;
+            place(&mut mesh, Transform::from_parts(size, DVec3::ZERO, centre()?))?;
             mesh
         }
         Kind::Disc => {
@@ -208,6 +210,9 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
                 return Err(size.error(format!("`size` is {extent:?}; it must be above 0")));
             }
             let waves = table.or("waves", Vec::new(), |v| v.list()?.iter().map(wave).collect())?;
+            if waves.len() > MOST_WAVES {
+                return Err(table.error(format!("`{name}` has {} waves; at most {MOST_WAVES} are summed", waves.len())));
+            }
             let level = table.or("level", 0.0, Value::number)?;
             let depth = table.opt("depth", Value::positive)?;
             let n = steps(Some(64), |n| 2 * n * n + 12 * n)?.unwrap_or(64);
@@ -226,6 +231,9 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
             mesh
         }
     };
+    if let Some(p) = mesh.positions.iter().find(|&&p| !within_limit(p)) {
+        return Err(table.error(format!("`{name}` reaches to {p}, beyond 1.844e18")));
+    }
     Ok(Shape::Mesh(mesh))
 }
 

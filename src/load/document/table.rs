@@ -275,8 +275,13 @@ impl<'d> Value<'d> {
 
     /// A place.
     pub(super) fn point(&self) -> Result<Vec3> {
-        let p = self.triple()?.as_vec3();
-        if within_limit(p) { Ok(p) } else { Err(self.must(p, "within 1.844e18")) }
+        self.place().map(|p| p.as_vec3())
+    }
+
+    /// A place that is reckoned with before it is rounded.
+    pub(super) fn place(&self) -> Result<DVec3> {
+        let p = self.triple()?;
+        if within_limit(p.as_vec3()) { Ok(p) } else { Err(self.must(p, "within 1.844e18")) }
     }
 
     /// A direction of any length but 0, made a unit one.
