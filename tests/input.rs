@@ -420,17 +420,10 @@ fn files_outside_the_scene_and_things_that_are_no_files_are_never_read() {
         warned(folder.load("b.obj"), &["b.mtl:2:", part]);
 
         let scene = format!("[[mesh]]\nfile = '{name}'\n");
-        refused(Folder::load(&folder.copy("s.toml", &scene), "s.toml"), 2, &["s.toml:2:8:", part]);
+        fs::write(folder.path("s.toml"), scene).unwrap();
+        refused(folder.load("s.toml"), 2, &["s.toml:2:8:", part]);
     }
     refused(folder.load("folder.mtl"), 2, &["neither"]);
-}
-
-impl Folder {
-    /// The same folder with another file.
-    fn copy(&self, name: &str, content: &str) -> &Self {
-        fs::write(self.path(name), content).unwrap();
-        self
-    }
 }
 
 #[test]

@@ -57,7 +57,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture> {
 
 /// [`read`], of a file's bytes that are there already; errors call it `path`.
 fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
-    let wrong = |kind: &'static str| move |e: String| Error::file(path, format!("not a readable {kind}: {e}"));
+    // Decoders' messages may have several lines; an error has one.
+    let one_line = |e: String| e.split_whitespace().collect::<Vec<_>>().join(" ");
+    let wrong = |kind: &'static str| move |e| Error::file(path, format!("not a readable {kind}: {}", one_line(e)));
     let check = |(width, height)| check_size(path, width, height, options.limits);
 
     let (film, alpha_dropped) = match bytes {
