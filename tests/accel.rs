@@ -5,7 +5,7 @@ mod support;
 use glam::Vec3;
 use support::contract::{self, bits};
 use support::{Rng, shapes};
-use vitrum::accel::native::{Kernel, Native, Stack};
+use vitrum::accel::native::{Kernel, Native, Scratch};
 use vitrum::accel::{BuildStats, Coherence, Intersector, Unbounded};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, TriMesh};
 use vitrum::simd::Mask8;
@@ -14,11 +14,11 @@ use vitrum::simd::Mask8;
 struct Held(Native, Kernel);
 
 impl Intersector for Held {
-    type Scratch = Stack;
-    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Stack) {
+    type Scratch = Scratch;
+    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
         self.0.closest_with(self.1, rays, hits, coherence, scratch);
     }
-    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Stack) {
+    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
         self.0.occluded_with(self.1, rays, blocked, coherence, scratch);
     }
     fn build_stats(&self) -> BuildStats {

@@ -64,6 +64,14 @@ impl<R: Real> SlabRay<R> {
         let leave = f.x.min_or(f.y.min_or(f.z.min_or(t_max)));
         (enter, widened(leave))
     }
+
+    /// `t` limited to the ray's way through a box, and whether there is such a way.
+    #[inline(always)]
+    pub fn limit(&self, lo: Vector3<R>, hi: Vector3<R>, t: R) -> (R, R::Mask) {
+        let limit = R::splat(f64::from(T_LIMIT));
+        let (enter, leave) = self.clip(lo, hi, -limit, limit);
+        (leave.min_or(enter.max_or(t)), enter.le(leave))
+    }
 }
 
 /// The far end of an interval, a little farther; NaN for -inf, which nothing is below.

@@ -37,11 +37,11 @@ impl<M: Copy> Axis<M> {
     }
 }
 
-/// A ray prepared for the test. Its vectors have their axes turned by [`Axis::turn`].
+/// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay<R> {
-    /// Start and inverse direction.
-    pub slab: SlabRay<R>,
+    /// Start, with its axes turned by [`Axis::turn`].
+    pub origin: Vector3<R>,
     /// Minus the slopes of the direction along its first and second axis over the last.
     pub shear: (R, R),
     /// The longest component of the direction.
@@ -78,41 +78,33 @@ impl<R: Real> ShearedRay<R> {
         let is_x = d.x.ge(d.y) & d.x.ge(d.z);
         let axis = Axis { is_x, is_y: !is_x & d.y.ge(d.z) };
         let dir = axis.turn(dir);
-        let slab = SlabRay::new(axis.turn(origin), dir);
-        (Self { slab, shear: (-(dir.x / dir.z), -(dir.y / dir.z)), dz: dir.z }, axis)
+        (Self { origin: axis.turn(origin), shear: (-(dir.x / dir.z), -(dir.y / dir.z)), dz: dir.z }, axis)
     }
 
     /// The edge functions of the triangle whose corners, with axes turned, are given.
     #[inline(always)]
     pub fn edges(&self, corners: &[Vector3<R>; 3]) -> Edges<R> {
-        let [a, b, c] = corners.map(|p| {
-            let p = p - self.slab.origin;
+        let seen = |p: Vector3<R>| {
+            let p = p - self.origin;
             Vector3::new(self.shear.0.fma(p.z, p.x), self.shear.1.fma(p.z, p.y), p.z)
-        });
+        };
+        let (a, b, c) = (seen(corners[0]), seen(corners[1]), seen(corners[2]));
         let value = [c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x];
         Edges { corners: [a, b, c], value }
     }
+}
 
-    /// `t` limited to the ray's way through the triangle's grown box, and whether there is such a way.
+impl<R: Real> SlabRay<R> {
+    /// `t` limited to the ray's way through the grown box of a triangle, and whether there is such a way.
     #[inline(always)]
-    pub fn limit(&self, corners: &[Vector3<R>; 3], t: R) -> (R, R::Mask) {
+    pub fn limit_to_triangle(&self, corners: &[Vector3<R>; 3], t: R) -> (R, R::Mask) {
         let [a, b, c] = *corners;
         let least = |a: R, b: R, c: R| a.min_or(b.min_or(c));
         let most = |a: R, b: R, c: R| a.max_or(b.max_or(c));
         let lo = Vector3::new(least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z));
         let hi = Vector3::new(most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z));
         let (lo, hi) = grown(lo, hi);
-        self.slab.limit(lo, hi, t)
-    }
-}
-
-impl<R: Real> SlabRay<R> {
-    /// `t` limited to the ray's way through a box, and whether there is such a way.
-    #[inline(always)]
-    pub fn limit(&self, lo: Vector3<R>, hi: Vector3<R>, t: R) -> (R, R::Mask) {
-        let limit = R::splat(f64::from(T_LIMIT));
-        let (enter, leave) = self.clip(lo, hi, -limit, limit);
-        (leave.min_or(enter.max_or(t)), enter.le(leave))
+        self.limit(lo, hi, t)
     }
 }
 
@@ -166,7 +158,7 @@ impl<R: Real> Edges<R> {
     pub fn map(&self, lane: impl Fn(R) -> f32) -> Edges<f32> {
         Edges {
             corners: self.corners.map(|p| Vector3::new(lane(p.x), lane(p.y), lane(p.z))),
-            value: self.value.map(&lane),
+            value: self.value.map(lane),
         }
     }
 }
@@ -182,13 +174,13 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<(f32, f32, f32)> {
         return None;
     }
     let (sheared, axis) = ShearedRay::<f32>::new(origin, dir);
-    let corners = corners.map(|p| axis.turn(p.into()));
-    let edges = sheared.edges(&corners);
+    let corners = corners.map(Into::into);
+    let edges = sheared.edges(&corners.map(|p| axis.turn(p)));
     if !edges.may_hit() {
         return None;
     }
     let solved = edges.solve(&sheared);
     let (t, u, v) = if solved.doubtful { edges.exact(sheared.dz)? } else { (solved.t, solved.u, solved.v) };
-    let (t, crossed) = sheared.limit(&corners, t);
+    let (t, crossed) = SlabRay::<f32>::new(origin, dir).limit_to_triangle(&corners, t);
     (crossed && ray.t_min < t && t <= t_max).then_some((t, u, v))
 }

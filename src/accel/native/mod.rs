@@ -27,7 +27,7 @@ use self::bvh8::{Bvh8, Node8};
 use self::leaf::Best8;
 use self::rays::Eight;
 use self::sphere8::Sphere8;
-pub use self::stack::Stack;
+pub use self::stack::Scratch;
 pub use self::traverse_stream::Kernel;
 use self::tri8::Tri8;
 use super::{BuildStats, Coherence, Intersector};
@@ -114,13 +114,15 @@ impl Native {
         rays: &[Ray8],
         hits: &mut [Hit8],
         coherence: Coherence,
-        scratch: &mut Stack,
+        scratch: &mut Scratch,
     ) {
         assert_eq!(rays.len(), hits.len());
         for (rays, hits) in rays.iter().zip(hits) {
             let ready = Eight::new(rays);
             let mut best = Best8::new(ready.t_max);
-            traverse_stream::closest(&self.spheres, &ready, kernel, coherence, &mut best, scratch);
+            if self.stats.spheres != 0 {
+                traverse_stream::closest(&self.spheres, &ready, kernel, coherence, &mut best, scratch);
+            }
             traverse_stream::closest(&self.triangles, &ready, kernel, coherence, &mut best, scratch);
             best.write(rays.active, hits);
         }
@@ -136,12 +138,16 @@ impl Native {
         rays: &[Ray8],
         blocked: &mut [Mask8],
         coherence: Coherence,
-        scratch: &mut Stack,
+        scratch: &mut Scratch,
     ) {
         assert_eq!(rays.len(), blocked.len());
         for (rays, blocked) in rays.iter().zip(blocked) {
             let ready = Eight::new(rays);
-            let by_sphere = traverse_stream::occluded(&self.spheres, &ready, ready.lanes, kernel, coherence, scratch);
+            let by_sphere = if self.stats.spheres == 0 {
+                0
+            } else {
+                traverse_stream::occluded(&self.spheres, &ready, ready.lanes, kernel, coherence, scratch)
+            };
             let left = ready.lanes & !by_sphere;
             let by_triangle = traverse_stream::occluded(&self.triangles, &ready, left, kernel, coherence, scratch);
             *blocked = Mask8::from_bits(by_sphere | by_triangle);
@@ -158,13 +164,13 @@ fn triangle_ref(corners: [glam::Vec3; 3], geometry: u32, primitive: u32) -> Prim
 }
 
 impl Intersector for Native {
-    type Scratch = Stack;
+    type Scratch = Scratch;
 
-    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Stack) {
+    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
         self.closest_with(Kernel::Auto, rays, hits, coherence, scratch);
     }
 
-    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Stack) {
+    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
         self.occluded_with(Kernel::Auto, rays, blocked, coherence, scratch);
     }
 

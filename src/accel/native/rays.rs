@@ -6,6 +6,9 @@ use crate::geometry::triangle::{Axis, ShearedRay};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
+/// The axes as [`Axis::turn`] turns them, by the longest one.
+pub(super) const TURNED: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
 /// Eight rays, made ready together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eight {
@@ -59,6 +62,15 @@ impl Eight {
     pub fn same_octant(&self, lanes: u8) -> u8 {
         let first = lanes.trailing_zeros() & 7;
         self.backwards.iter().fold(lanes, |kept, &b| kept & if b >> first & 1 != 0 { b } else { !b })
+    }
+
+    /// The lanes among `lanes` whose direction is within some 18 degrees of that of the lowest of them.
+    #[inline(always)]
+    pub fn same_way(&self, lanes: u8) -> u8 {
+        let first = Vec3x8::splat(self.dir.lane(lanes.trailing_zeros() as usize & 7));
+        let along = self.dir.dot(first);
+        let all = self.dir.length_squared() * first.length_squared();
+        (F32x8::splat(0.9) * all).le(along * along.abs()).bits() & lanes
     }
 
     /// For each axis, 1 where the ray of `lane` runs backwards along it: the index of its near planes.
@@ -115,14 +127,23 @@ impl One {
             slab: slab(&rays.slab),
             dir: spread(&rays.dir),
             sheared: ShearedRay {
-                slab: slab(&rays.sheared.slab),
+                origin: spread(&rays.sheared.origin),
                 shear: (all(&rays.sheared.shear.0), all(&rays.sheared.shear.1)),
                 dz: all(&rays.sheared.dz),
             },
-            axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][last],
+            axes: TURNED[last],
             t_min: all(&rays.t_min),
             octant: rays.octant(lane),
             admits: rays.admits,
         }
+    }
+}
+
+/// Calls `f` with each lane.
+#[inline(always)]
+pub(super) fn each(mut lanes: u8, mut f: impl FnMut(usize)) {
+    while lanes != 0 {
+        f(lanes.trailing_zeros() as usize & 7);
+        lanes &= lanes - 1;
     }
 }

@@ -16,23 +16,22 @@ pub(super) struct Entry {
     pub lanes: u8,
 }
 
-/// A stack of fixed size, kept between rays so that tracing allocates nothing.
+/// A stack of fixed size.
+pub(super) type Stack = [Entry; STACK_SIZE];
+
+/// What is kept between rays so that tracing allocates nothing.
 #[derive(Debug)]
-pub struct Stack {
-    entries: Box<[Entry; STACK_SIZE]>,
+pub struct Scratch {
+    /// For one ray.
+    pub(super) single: Box<Stack>,
+    /// For eight rays; both are in use where one of them goes on alone.
+    pub(super) packet: Box<Stack>,
 }
 
-impl Default for Stack {
+impl Default for Scratch {
     fn default() -> Self {
-        Self { entries: Box::new([Entry { enter: 0.0, child: Child::NONE, lanes: 0 }; STACK_SIZE]) }
-    }
-}
-
-impl Stack {
-    /// The entries, for a traversal that keeps its own top.
-    #[inline(always)]
-    pub(super) fn entries(&mut self) -> &mut [Entry; STACK_SIZE] {
-        &mut self.entries
+        let empty = [Entry { enter: 0.0, child: Child::NONE, lanes: 0 }; STACK_SIZE];
+        Self { single: Box::new(empty), packet: Box::new(empty) }
     }
 }
 

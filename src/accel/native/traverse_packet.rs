@@ -3,16 +3,25 @@
 use super::bvh8::{Bvh8, Child, Node8, leave_of};
 use super::leaf::{Best8, Leaf};
 use super::rays::Eight;
-use super::stack::{Entry, Stack, nearest_last};
+use super::stack::{Entry, Scratch, Stack, nearest_last};
+use super::traverse_single;
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
+/// A subtree that no more rays than this meet is walked by each of them alone.
+const ALONE: u32 = 2;
+
 /// The nearest hits of the rays in `lanes`, which share an octant, taken into `best`.
 #[inline(never)]
-pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, best: &mut Best8, stack: &mut Stack) {
+pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, best: &mut Best8, scratch: &mut Scratch) {
     let t_max = only(lanes, best.t);
-    walk(tree, rays, lanes, t_max, stack, |leaf, met, t| {
-        leaf.closest_eight(rays, met, best);
+    let Scratch { single, packet } = scratch;
+    walk(tree, rays, lanes, t_max, packet, |below, met, t| {
+        if below.is_leaf() {
+            tree.leaves[below.index()].closest_eight(rays, met, best);
+        } else {
+            traverse_single::closest_each(tree, below, rays, met, best, single);
+        }
         *t = only(lanes, best.t);
         false
     });
@@ -20,10 +29,16 @@ pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, best: &m
 
 /// Which rays of `lanes`, which share an octant, meet anything at or before their `t_max`.
 #[inline(never)]
-pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, t_max: F32x8, stack: &mut Stack) -> u8 {
+pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, scratch: &mut Scratch) -> u8 {
     let mut blocked = 0;
-    walk(tree, rays, lanes, only(lanes, t_max), stack, |leaf, met, t| {
-        blocked |= leaf.occluded_eight(rays, met, *t);
+    let Scratch { single, packet } = scratch;
+    walk(tree, rays, lanes, only(lanes, rays.t_max), packet, |below, met, t| {
+        let met = met & !blocked;
+        if below.is_leaf() {
+            blocked |= tree.leaves[below.index()].occluded_eight(rays, met, *t);
+        } else {
+            blocked |= traverse_single::occluded_each(tree, below, rays, met, single);
+        }
         *t = only(lanes & !blocked, *t);
         blocked == lanes
     });
@@ -52,8 +67,8 @@ impl Frustum {
     #[inline(always)]
     fn new(rays: &Eight, lanes: u8) -> Self {
         let mask = Mask8::from_bits(lanes);
-        let least = |x: F32x8| mask.select(x, F32x8::INFINITY).reduce_min();
-        let most = |x: F32x8| -mask.select(-x, F32x8::INFINITY).reduce_min();
+        let least = |x: F32x8| -greatest(mask.select(-x, F32x8::from(f32::NEG_INFINITY)));
+        let most = |x: F32x8| greatest(mask.select(x, F32x8::from(f32::NEG_INFINITY)));
         let octant = rays.octant(lanes.trailing_zeros() as usize & 7);
         let origin = rays.slab.origin;
         let inverse = rays.slab.inverse;
@@ -104,8 +119,8 @@ fn meet_eight(node: &Node8, i: usize, octant: [usize; 3], rays: &Eight, t_max: F
     (enter.le(leave), enter)
 }
 
-/// Visits leaves, roughly near ones first, with the rays that meet their box, until `visit` says that it is enough;
-/// it may lower the limits.
+/// Visits leaves, and subtrees that few rays meet, roughly near ones first, with the rays that meet their box, until
+/// `visit` says that it is enough; it may lower the limits.
 #[inline(always)]
 fn walk<L: Leaf>(
     tree: &Bvh8<L>,
@@ -113,14 +128,13 @@ fn walk<L: Leaf>(
     lanes: u8,
     mut t_max: F32x8,
     stack: &mut Stack,
-    mut visit: impl FnMut(&L, u8, &mut F32x8) -> bool,
+    mut visit: impl FnMut(Child, u8, &mut F32x8) -> bool,
 ) {
     if tree.root == Child::NONE || lanes == 0 {
         return;
     }
-    let stack = stack.entries();
     let frustum = Frustum::new(rays, lanes);
-    let mut farthest = farthest_of(t_max);
+    let mut farthest = greatest(t_max);
     stack[0] = Entry { enter: f32::NEG_INFINITY, child: tree.root, lanes };
     let mut top = 1;
     while top > 0 {
@@ -129,11 +143,11 @@ fn walk<L: Leaf>(
         if enter > farthest {
             continue;
         }
-        if child.is_leaf() {
-            if visit(&tree.leaves[child.index()], lanes, &mut t_max) {
+        if child.is_leaf() || lanes.count_ones() <= ALONE {
+            if visit(child, lanes, &mut t_max) {
                 return;
             }
-            farthest = farthest_of(t_max);
+            farthest = greatest(t_max);
             continue;
         }
         let node = &tree.nodes[child.index()];
@@ -153,8 +167,10 @@ fn walk<L: Leaf>(
     }
 }
 
-/// The largest lane.
+/// The largest of eight numbers.
 #[inline(always)]
-fn farthest_of(t: F32x8) -> f32 {
-    t.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max_or)
+fn greatest(x: F32x8) -> f32 {
+    let [a, b, c, d, e, f, g, h] = x.to_array();
+    let (a, b, c, d) = (a.max_or(e), b.max_or(f), c.max_or(g), d.max_or(h));
+    a.max_or(c).max_or(b.max_or(d))
 }

@@ -2,8 +2,8 @@
 
 use super::bvh8::Bvh8;
 use super::leaf::{Best8, Leaf};
-use super::rays::{Eight, One};
-use super::stack::Stack;
+use super::rays::Eight;
+use super::stack::Scratch;
 use super::{traverse_packet, traverse_single};
 use crate::accel::Coherence;
 
@@ -18,17 +18,26 @@ pub enum Kernel {
     Auto,
 }
 
-/// Fewer rays than this are walked one by one.
-const WORTH_A_PACKET: u32 = 4;
+/// Rays that are dealt with in one go.
+struct Group {
+    lanes: u8,
+    together: bool,
+}
 
 impl Kernel {
-    /// Whether `lanes`, which run into one octant, are walked together.
+    /// Some of `left`, at least one, to be dealt with next. The caller's word on coherence is checked, since
+    /// walking scattered rays together costs more than walking them one by one; it lowers the number that is enough.
     #[inline(always)]
-    fn together(self, coherence: Coherence, lanes: u8) -> bool {
+    fn next(self, rays: &Eight, left: u8, coherence: Coherence) -> Group {
         match self {
-            Self::Single => false,
-            Self::Packet => true,
-            Self::Auto => coherence == Coherence::Coherent && lanes.count_ones() >= WORTH_A_PACKET,
+            Self::Single => Group { lanes: left, together: false },
+            Self::Packet => Group { lanes: rays.same_octant(left), together: true },
+            Self::Auto => {
+                let lanes = rays.same_way(rays.same_octant(left));
+                let enough = if coherence == Coherence::Coherent { 3 } else { 5 };
+                // A ray whose length overflows is not even its own neighbour.
+                Group { lanes: lanes | (left & left.wrapping_neg()), together: lanes.count_ones() >= enough }
+            }
         }
     }
 }
@@ -41,21 +50,20 @@ pub(super) fn closest<L: Leaf>(
     kernel: Kernel,
     coherence: Coherence,
     best: &mut Best8,
-    stack: &mut Stack,
+    scratch: &mut Scratch,
 ) {
-    let mut left = rays.lanes;
+    let (mut left, mut alone) = (rays.lanes, 0);
     while left != 0 {
-        let group = rays.same_octant(left);
-        left &= !group;
-        if kernel.together(coherence, group) {
-            traverse_packet::closest(tree, rays, group, best, stack);
-            continue;
+        let Group { lanes, together } = kernel.next(rays, left, coherence);
+        left &= !lanes;
+        if together {
+            traverse_packet::closest(tree, rays, lanes, best, scratch);
+        } else {
+            alone |= lanes;
         }
-        each(group, |i| {
-            let mut one = best.lane(i);
-            traverse_single::closest(tree, tree.root, &One::new(rays, i), &mut one, stack);
-            best.set_lane(i, &one);
-        });
+    }
+    if alone != 0 {
+        traverse_single::closest_each(tree, tree.root, rays, alone, best, &mut scratch.single);
     }
 }
 
@@ -67,30 +75,20 @@ pub(super) fn occluded<L: Leaf>(
     lanes: u8,
     kernel: Kernel,
     coherence: Coherence,
-    stack: &mut Stack,
+    scratch: &mut Scratch,
 ) -> u8 {
-    let mut blocked = 0;
-    let mut left = lanes;
+    let (mut left, mut alone, mut blocked) = (lanes, 0, 0);
     while left != 0 {
-        let group = rays.same_octant(left);
-        left &= !group;
-        if kernel.together(coherence, group) {
-            blocked |= traverse_packet::occluded(tree, rays, group, rays.t_max, stack);
-            continue;
+        let Group { lanes, together } = kernel.next(rays, left, coherence);
+        left &= !lanes;
+        if together {
+            blocked |= traverse_packet::occluded(tree, rays, lanes, scratch);
+        } else {
+            alone |= lanes;
         }
-        each(group, |i| {
-            let met = traverse_single::occluded(tree, tree.root, &One::new(rays, i), rays.t_max.lane(i), stack);
-            blocked |= u8::from(met) << i;
-        });
+    }
+    if alone != 0 {
+        blocked |= traverse_single::occluded_each(tree, tree.root, rays, alone, &mut scratch.single);
     }
     blocked
-}
-
-/// Calls `f` with each lane.
-#[inline(always)]
-fn each(mut lanes: u8, mut f: impl FnMut(usize)) {
-    while lanes != 0 {
-        f(lanes.trailing_zeros() as usize & 7);
-        lanes &= lanes - 1;
-    }
 }

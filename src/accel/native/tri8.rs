@@ -1,7 +1,8 @@
 //! Leaves of triangles: eight of them for one ray, or each of them for eight rays.
 
 use super::leaf::{Best, Best8, Leaf, Tags};
-use super::rays::{Eight, One};
+use super::rays::{Eight, One, TURNED};
+use crate::geometry::slab::SlabRay;
 use crate::geometry::triangle::{Edges, ShearedRay, Solution};
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8, Vec3x8};
@@ -25,17 +26,18 @@ struct Met {
     v: F32x8,
 }
 
-/// The eight-lane form of [`crate::geometry::triangle::intersect`], for lanes of `admitted`; the rays' intervals are
-/// `t_min` and `t_max`.
+/// The eight-lane form of [`crate::geometry::triangle::intersect`], for lanes of `admitted`: corners as `turned` for
+/// the ray, and as they are; the rays' intervals are `t_min` and `t_max`.
 #[inline(always)]
 fn intersect(
     ray: &ShearedRay<F32x8>,
-    corners: &[Vec3x8; 3],
-    t_min: F32x8,
-    t_max: F32x8,
+    slab: &SlabRay<F32x8>,
+    turned: &[Vec3x8; 3],
+    plain: impl FnOnce() -> [Vec3x8; 3],
+    (t_min, t_max): (F32x8, F32x8),
     admitted: impl FnOnce() -> u8,
 ) -> Option<Met> {
-    let edges = ray.edges(corners);
+    let edges = ray.edges(turned);
     let may_hit = edges.may_hit().bits();
     if may_hit == 0 {
         return None;
@@ -50,7 +52,7 @@ fn intersect(
     if doubtful != 0 {
         lanes &= !settle(&edges, &mut solved, ray, doubtful);
     }
-    let (t, crossed) = ray.limit(corners, solved.t);
+    let (t, crossed) = slab.limit_to_triangle(&plain(), solved.t);
     let lanes = Mask8::from_bits(lanes) & crossed & t_min.lt(t) & t.le(t_max);
     lanes.any().then_some(Met { lanes, t, u: solved.u, v: solved.v })
 }
@@ -105,8 +107,11 @@ impl Tri8 {
     #[inline(always)]
     fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met> {
         let [x, y, z] = ray.axes;
-        let corners = self.corners.map(|c| Vec3x8::new(c[x], c[y], c[z]));
-        intersect(&ray.sheared, &corners, ray.t_min, F32x8::from(t_max), || self.tags.admitted(ray.admits))
+        let [a, b, c] = &self.corners;
+        let turned = [Vec3x8::new(a[x], a[y], a[z]), Vec3x8::new(b[x], b[y], b[z]), Vec3x8::new(c[x], c[y], c[z])];
+        let plain = || [Vec3x8::new(a[0], a[1], a[2]), Vec3x8::new(b[0], b[1], b[2]), Vec3x8::new(c[0], c[1], c[2])];
+        let interval = (ray.t_min, F32x8::from(t_max));
+        intersect(&ray.sheared, &ray.slab, &turned, plain, interval, || self.tags.admitted(ray.admits))
     }
 
     /// Calls `found` with the hits of `lanes` with each triangle that the rays look for.
@@ -124,17 +129,23 @@ impl Tri8 {
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;
             slots &= slots - 1;
-            let corners = match common {
-                Some(last) => {
-                    let [x, y, z] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][last];
-                    let splat = |x: &F32x8| F32x8::from(x.lane(i));
-                    [0, 1, 2].map(|k| {
-                        Vec3x8::new(splat(&self.corners[k][x]), splat(&self.corners[k][y]), splat(&self.corners[k][z]))
-                    })
-                }
-                None => self.triangle(i).map(|p| rays.axis.turn(Vec3x8::splat(p))),
+            let at = |k: usize, axis: usize| F32x8::from(self.corners[k][axis].lane(i));
+            let plain = || {
+                let corner = |k: usize| Vec3x8::new(at(k, 0), at(k, 1), at(k, 2));
+                [corner(0), corner(1), corner(2)]
             };
-            let met = intersect(&rays.sheared, &corners, rays.t_min, t_max, || lanes);
+            let turned = match common {
+                Some(last) => {
+                    let [x, y, z] = TURNED[last];
+                    let corner = |k: usize| Vec3x8::new(at(k, x), at(k, y), at(k, z));
+                    [corner(0), corner(1), corner(2)]
+                }
+                None => {
+                    let [a, b, c] = plain();
+                    [rays.axis.turn(a), rays.axis.turn(b), rays.axis.turn(c)]
+                }
+            };
+            let met = intersect(&rays.sheared, &rays.slab, &turned, plain, (rays.t_min, t_max), || lanes);
             t_max = found(i, t_max, met);
         }
     }
