@@ -55,21 +55,25 @@ fn wrapping_for_planes_keeps_the_contract() {
     );
 }
 
-/// Every triangle and sphere in turn, by the scalar tests.
+/// Every triangle, sphere and plane in turn, by the scalar tests.
 fn brute_force(geometry: &[Geometry], ray: &Ray) -> Hit {
     let mut best = Hit::MISS;
-    for (g, id) in geometry.iter().zip(0..) {
-        let Shape::Mesh(mesh) = &g.shape else { continue };
-        if !g.mask.meets(ray.admits) {
-            continue;
+    let mut take = |met: Option<(f32, f32, f32)>, geometry: u32, primitive: u32| {
+        let Some((t, u, v)) = met else { return };
+        let hit = Hit { t, u, v, instance: 0, geometry, primitive };
+        if t < best.t || (t == best.t && hit.id() < best.id()) {
+            best = hit;
         }
-        for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
-            if let Some((t, u, v)) = vitrum::geometry::intersect_triangle(ray, mesh.corners(i)) {
-                let hit = Hit { t, u, v, instance: 0, geometry: id, primitive: i as u32 };
-                if t < best.t || (t == best.t && hit.id() < best.id()) {
-                    best = hit;
+    };
+    for (g, id) in geometry.iter().zip(0..).filter(|(g, _)| g.mask.meets(ray.admits)) {
+        match &g.shape {
+            Shape::Mesh(mesh) => {
+                for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
+                    take(vitrum::geometry::intersect_triangle(ray, mesh.corners(i)), id, i as u32);
                 }
             }
+            Shape::Sphere(s) => take(s.intersect(ray).map(|t| (t, 0.0, 0.0)), id, 0),
+            Shape::Plane(p) => take(p.intersect(ray).map(|t| (t, 0.0, 0.0)), id, 0),
         }
     }
     best
@@ -79,7 +83,7 @@ fn assert_bits_of_brute_force(geometry: &[Geometry], rays: &[Ray]) -> usize {
     let native = sound(geometry);
     let want: Vec<Hit> = rays.iter().map(|r| brute_force(geometry, r)).collect();
     for kernel in KERNELS {
-        let held = Held(native.clone(), kernel);
+        let held = Unbounded::new(Held(native.clone(), kernel), geometry);
         let (got, blocked) = (contract::closest(&held, rays), contract::occluded(&held, rays));
         for i in 0..rays.len() {
             assert_eq!(bits(&got[i]), bits(&want[i]), "{kernel:?} {:?}: {:?} is not {:?}", rays[i], got[i], want[i]);
@@ -134,6 +138,21 @@ fn rays_of_any_scale_give_the_bits_of_testing_everything() {
             .map(|(i, r)| Ray { origin: r.origin * scale, dir: r.dir * 10_f32.powi(i as i32 % 9 - 4), ..*r })
             .collect();
         assert!(assert_bits_of_brute_force(&[shapes::masked(mesh, GeometryMask::OPAQUE)], &rays) > 50);
+    }
+}
+
+#[test]
+fn spheres_and_planes_give_the_bits_of_testing_everything() {
+    let mut rng = Rng::new(12);
+    for count in [1, 3, 40, 500] {
+        let mut geometry: Vec<Geometry> = (0..count)
+            .map(|i| shapes::ball(rng.point(), rng.unit() * [0.01, 0.1, 0.5][i % 3], GeometryMask::OPAQUE))
+            .collect();
+        geometry.insert(0, shapes::masked(shapes::soup(50, 0.3, &mut rng), GeometryMask::OPAQUE));
+        geometry.insert(1, geometry[count].clone());
+        geometry.push(shapes::plane(rng.point(), rng.direction(), GeometryMask::OPAQUE));
+        geometry.insert(2, geometry[count + 2].clone());
+        assert!(assert_bits_of_brute_force(&geometry, &assorted(1600, &mut rng)) > 400);
     }
 }
 

@@ -4,6 +4,7 @@
 //! inside another is never entered earlier nor left later, not by one ulp. The shapes limit their own `t` to the
 //! interval of their own box, so no hierarchy of enclosing boxes can lose, or gain, a hit.
 
+use super::Ray;
 use crate::math::{Real, Vector3};
 
 /// The largest ray parameter that is looked at: what lies beyond is not seen, whatever `t_max` says.
@@ -102,6 +103,13 @@ pub(crate) fn is_traceable<R: Real>(origin: Vector3<R>, dir: Vector3<R>, t_min: 
         v.x.abs().le(most) & v.y.abs().le(most) & v.z.abs().le(most)
     };
     finite(origin) & finite(dir) & dir.abs().max_component().gt(R::zero()) & t_min.lt(t_max)
+}
+
+/// The upper end of what a ray is looked at for; `None` where it can meet nothing.
+pub(crate) fn upper_end(ray: &Ray) -> Option<f32> {
+    let t_max = Real::min(ray.t_max, T_LIMIT);
+    let sound = !ray.t_max.is_nan() && is_traceable(ray.origin.into(), ray.dir.into(), ray.t_min, t_max);
+    sound.then_some(t_max)
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::slab::{SlabRay, grown};
-use super::{Aabb, COORDINATE_LIMIT};
+use super::slab::{SlabRay, grown, upper_end};
+use super::{Aabb, COORDINATE_LIMIT, Ray};
 use crate::math::{Real, Vector3, next_down, next_up};
 
 /// A sphere; its outside is the side away from the centre.
@@ -29,6 +29,16 @@ impl Sphere {
         let b = self.bounds();
         let limit = Vec3::splat(COORDINATE_LIMIT);
         self.radius > 0.0 && b.lo.abs().cmple(limit).all() && b.hi.abs().cmple(limit).all()
+    }
+
+    /// Where `ray` meets the sphere first: on its way in, or, where it starts inside or `t_min` lies there, out.
+    /// This is what the eight-wide kernels mean.
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<f32> {
+        let t_max = upper_end(ray)?;
+        let slab = SlabRay::new(ray.origin.into(), ray.dir.into());
+        let (t, met) = intersect(&slab, ray.dir.into(), self.centre.into(), self.radius, ray.t_min, t_max);
+        met.then_some(t)
     }
 }
 
@@ -69,4 +79,63 @@ pub(crate) fn intersect<R: Real>(
     let seen = |t: R| t_min.lt(t) & t.le(t_max);
     let t = R::select(seen(first), first, second);
     (t, seen(t) & crossed & discriminant.ge(R::zero()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ways_through_are_found() {
+        let s = Sphere { centre: Vec3::new(0.0, 0.0, 5.0), radius: 2.0 };
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        assert_eq!(s.intersect(&ray), Some(3.0));
+        assert_eq!(s.intersect(&Ray { t_min: 3.0, ..ray }), Some(7.0));
+        assert_eq!(s.intersect(&Ray { t_min: 7.0, ..ray }), None);
+        assert_eq!(s.intersect(&Ray { t_max: 2.9, ..ray }), None);
+        assert_eq!(s.intersect(&Ray::new(s.centre, Vec3::X * 0.5)), Some(4.0));
+        assert_eq!(s.intersect(&Ray { dir: -Vec3::Z, ..ray }), None);
+        assert_eq!(s.intersect(&Ray { dir: -Vec3::Z, t_min: -10.0, ..ray }), Some(-7.0));
+        // From the surface inwards, and touching it.
+        assert_eq!(s.intersect(&Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::Z)), Some(4.0));
+        assert_eq!(s.intersect(&Ray::new(Vec3::new(2.0, 0.0, 0.0), Vec3::Z)), Some(5.0));
+    }
+
+    #[test]
+    fn a_small_sphere_far_away_is_hit_where_it_is() {
+        let mut state = 11_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f64 / f64::from(1 << 23) - 1.0
+        };
+        for distance in [10.0, 1e3, 1e5] {
+            for _ in 0..20_000 {
+                let towards = glam::DVec3::new(random(), random(), random()).normalize_or(glam::DVec3::X);
+                let centre = (towards * distance).as_vec3();
+                let aside = glam::DVec3::new(random(), random(), random()) * 0.5;
+                let dir = (centre.as_dvec3() + aside).normalize().as_vec3();
+                let s = Sphere { centre, radius: 1.0 };
+                // The answer in f64, for the same numbers.
+                let (d, c) = (dir.as_dvec3(), centre.as_dvec3());
+                let nearest = d * (c.dot(d) / d.dot(d));
+                let below = 1.0 - (c - nearest).length_squared();
+                if below < 0.1 {
+                    continue;
+                }
+                let want = (c.dot(d) - (below * d.dot(d)).sqrt()) / d.dot(d);
+                let got = f64::from(s.intersect(&Ray::new(Vec3::ZERO, dir)).expect("aimed well inside"));
+                assert!((got - want).abs() < 3e-6 * distance + 1e-6, "{got} for {want} at {distance}");
+            }
+        }
+    }
+
+    #[test]
+    fn spheres_that_cannot_be_are_refused() {
+        let of = |radius, x| Sphere { centre: Vec3::new(x, 0.0, 0.0), radius }.is_usable();
+        assert!(of(1.0, 0.0));
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e19] {
+            assert!(!of(radius, 0.0), "{radius}");
+        }
+        assert!(!of(1.0, f32::NAN) && !of(1.0, 2e18));
+    }
 }

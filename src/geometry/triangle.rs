@@ -13,7 +13,7 @@
 use glam::Vec3;
 
 use super::Ray;
-use super::slab::{SlabRay, T_LIMIT, grown, is_traceable};
+use super::slab::{SlabRay, grown, upper_end};
 use crate::math::{Real, Vector3};
 
 /// Sums of edge functions below this may have lost digits to underflow: 2^-100.
@@ -147,8 +147,10 @@ impl Edges<f32> {
             return None;
         }
         let t = (eu * a.z + ev * b.z + ew * c.z) / sum / f64::from(dz);
-        let u = ((ev / sum) as f32).min_or(1.0);
-        Some((t as f32, u, ((ew / sum) as f32).min_or(1.0 - u)))
+        // The zero on the right makes one of either sign positive.
+        let weight = |e: f64| ((e / sum) as f32).max_or(0.0);
+        let u = weight(ev).min_or(1.0);
+        Some((t as f32, u, weight(ew).min_or(1.0 - u)))
     }
 }
 
@@ -168,11 +170,8 @@ impl<R: Real> Edges<R> {
 /// This is what the eight-wide kernels mean.
 #[must_use]
 pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<(f32, f32, f32)> {
+    let t_max = upper_end(ray)?;
     let (origin, dir) = (ray.origin.into(), ray.dir.into());
-    let t_max = Real::min(ray.t_max, T_LIMIT);
-    if ray.t_max.is_nan() || !is_traceable(origin, dir, ray.t_min, t_max) {
-        return None;
-    }
     let (sheared, axis) = ShearedRay::<f32>::new(origin, dir);
     let corners = corners.map(Into::into);
     let edges = sheared.edges(&corners.map(|p| axis.turn(p)));
@@ -183,4 +182,130 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<(f32, f32, f32)> {
     let (t, u, v) = if solved.doubtful { edges.exact(sheared.dz)? } else { (solved.t, solved.u, solved.v) };
     let (t, crossed) = SlabRay::<f32>::new(origin, dir).limit_to_triangle(&corners, t);
     (crossed && ray.t_min < t && t <= t_max).then_some((t, u, v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random(state: &mut u32) -> f32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*state >> 8) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    fn point(state: &mut u32) -> Vec3 {
+        Vec3::new(random(state), random(state), random(state))
+    }
+
+    #[test]
+    fn weights_belong_to_the_second_and_third_corner() {
+        let corners = [Vec3::new(0.0, 0.0, 2.0), Vec3::new(8.0, 0.0, 2.0), Vec3::new(0.0, 4.0, 2.0)];
+        let ray = Ray::new(Vec3::new(2.0, 0.5, 0.0), Vec3::Z * 0.5);
+        assert_eq!(intersect(&ray, corners), Some((4.0, 0.25, 0.125)));
+        for k in 0..3 {
+            let at = Ray::new(corners[k] - Vec3::Z, Vec3::Z);
+            let weights = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)][k];
+            assert_eq!(intersect(&at, corners), Some((1.0, weights.0, weights.1)));
+        }
+    }
+
+    #[test]
+    fn a_triangle_seen_from_its_edge_is_missed() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        assert_eq!(intersect(&Ray::new(Vec3::new(-1.0, 0.25, 0.0), Vec3::X), corners), None);
+        assert_eq!(intersect(&Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X), corners), None);
+    }
+
+    #[test]
+    fn coinciding_corners_are_missed_and_corners_in_line_are_no_wider_than_rounding() {
+        let (a, b) = (Vec3::new(1.0, 1.0, 5.0), Vec3::new(2.0, -1.0, 5.0));
+        for target in [a, b, a * 0.5 + b * 0.5, a * 0.25 + b * 0.75] {
+            let ray = Ray::new(Vec3::ZERO, target);
+            for corners in [[a, a, b], [a, b, a], [b, a, a], [a, a, a]] {
+                assert_eq!(intersect(&ray, corners), None, "{corners:?}");
+            }
+            // Such a one may be hit, since it may hold the edges of its neighbours, but only where it is.
+            if let Some((t, u, v)) = intersect(&ray, [a, b, b * 2.0 - a]) {
+                assert!((t - 1.0).abs() < 1e-6 && u >= 0.0 && v >= 0.0 && u + v <= 1.0);
+            }
+            let aside = Ray::new(Vec3::ZERO, target + Vec3::new(0.02, 0.01, 0.0) * 1e-3);
+            assert_eq!(intersect(&aside, [a, b, b * 2.0 - a]), None);
+        }
+    }
+
+    #[test]
+    fn the_bad_triangle_that_pbrt_recorded_is_missed() {
+        // pbrt-v4, shapes_test.cpp, Triangle.BadCases.
+        let corners = [
+            Vec3::new(-1113.454_59, -79.049_614, -56.243_103),
+            Vec3::new(-1113.454_59, -87.092_9, -56.243_103),
+            Vec3::new(-1113.454_59, -79.249_52, -56.243_103),
+        ];
+        let ray =
+            Ray::new(Vec3::new(-1081.478_9, 99.999_954_2, 87.770_104_3), Vec3::new(-32.107_2, -183.355, -144.607));
+        assert_eq!(intersect(&ray, corners), None);
+    }
+
+    #[test]
+    fn turning_or_mirroring_the_corners_changes_no_verdict() {
+        let mut state = 3;
+        let mut hits = 0;
+        for i in 0..200_000 {
+            let corners = [point(&mut state), point(&mut state), point(&mut state)];
+            let origin = point(&mut state) * 3.0;
+            // Through an edge, through a corner, or anywhere.
+            let target = match i % 3 {
+                0 => corners[0] + (corners[1] - corners[0]) * random(&mut state).abs(),
+                1 => corners[2],
+                _ => point(&mut state),
+            };
+            let ray = Ray::new(origin, target - origin);
+            let first = intersect(&ray, corners);
+            let [a, b, c] = corners;
+            for same in [[b, c, a], [c, a, b], [a, c, b], [c, b, a], [b, a, c]] {
+                let other = intersect(&ray, same);
+                assert_eq!(first.is_some(), other.is_some(), "{ray:?} {corners:?}");
+            }
+            if let (Some((t, u, v)), Some((t2, v2, u2))) = (first, intersect(&ray, [a, c, b])) {
+                let near = |x: f32, y: f32, scale: f32| (x - y).abs() <= 4.0 * f32::EPSILON * scale;
+                assert!(near(t, t2, t.abs().max(6.0 / ray.dir.length())) && near(u, u2, 1.0) && near(v, v2, 1.0));
+                hits += 1;
+            }
+        }
+        assert!(hits > 50_000, "{hits}");
+    }
+
+    #[test]
+    fn the_parameter_of_a_sliver_lies_among_those_of_its_corners() {
+        let mut state = 5;
+        let mut hits = 0;
+        for i in 0..400_000 {
+            // Needles a millionth as thick as they are long, and rays almost along them.
+            let (a, along) = (point(&mut state) * 10.0, point(&mut state) * 100.0);
+            let b = a + along;
+            let c = a + along * random(&mut state).abs() + point(&mut state) * 1e-4;
+            let target = a + along * random(&mut state).abs();
+            let aside = if i % 2 == 0 { point(&mut state) } else { along * 0.5 + point(&mut state) * 1e-3 };
+            let ray = Ray { t_min: f32::NEG_INFINITY, ..Ray::new(target - aside * 4.0, aside) };
+            let Some((t, u, v)) = intersect(&ray, [a, b, c]) else { continue };
+            hits += 1;
+            assert!((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v) && 1.0 - u - v >= 0.0);
+            let longest = [0, 1, 2].into_iter().max_by(|&j, &k| aside[j].abs().total_cmp(&aside[k].abs())).unwrap();
+            let of = |p: Vec3| (f64::from(p[longest]) - f64::from(ray.origin[longest])) / f64::from(aside[longest]);
+            let (t, [ta, tb, tc]) = (f64::from(t), [of(a), of(b), of(c)]);
+            let slack = 8.0 * f64::from(f32::EPSILON) * ta.abs().max(tb.abs()).max(tc.abs());
+            assert!(ta.min(tb).min(tc) - slack <= t && t <= ta.max(tb).max(tc) + slack, "{t}: {ta} {tb} {tc}");
+        }
+        assert!(hits > 1000, "{hits}");
+    }
+
+    #[test]
+    fn triangles_of_any_size_are_hit_in_their_middle() {
+        for exponent in -37..=17 {
+            let s = 10_f32.powi(exponent);
+            let corners = [Vec3::new(-s, -s, s), Vec3::new(s, -s, s), Vec3::new(0.0, s, s)];
+            let (t, u, v) = intersect(&Ray::new(Vec3::ZERO, Vec3::Z), corners).expect("straight ahead");
+            assert!((t / s - 1.0).abs() < 1e-6 && (u - 0.25).abs() < 1e-6 && (v - 0.5).abs() < 1e-6, "1e{exponent}");
+        }
+    }
 }
