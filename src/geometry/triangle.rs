@@ -236,13 +236,10 @@ mod tests {
     #[test]
     fn the_bad_triangle_that_pbrt_recorded_is_missed() {
         // pbrt-v4, shapes_test.cpp, Triangle.BadCases.
-        let corners = [
-            Vec3::new(-1113.454_59, -79.049_614, -56.243_103),
-            Vec3::new(-1113.454_59, -87.092_9, -56.243_103),
-            Vec3::new(-1113.454_59, -79.249_52, -56.243_103),
-        ];
-        let ray =
-            Ray::new(Vec3::new(-1081.478_9, 99.999_954_2, 87.770_104_3), Vec3::new(-32.107_2, -183.355, -144.607));
+        let of = |x: f64, y: f64, z: f64| glam::DVec3::new(x, y, z).as_vec3();
+        let corners = [-79.049_614, -87.092_269_9, -79.209_014_9].map(|y| of(-1_113.454_59, y, -56.243_190_8));
+        let origin = of(-1_081.479_25, 99.999_954_2, 87.770_111_1);
+        let ray = Ray { t_max: 0.9999, ..Ray::new(origin, of(-32.107_299_8, -183.355_865, -144.607_635)) };
         assert_eq!(intersect(&ray, corners), None);
     }
 

@@ -17,7 +17,7 @@ pub(super) const MAX_DEPTH: usize = 64;
 const PARALLEL: usize = 4096;
 
 /// What a visit to a binary node costs, in visits to a leaf block. A node of eight replaces about three levels.
-const NODE_COST: f32 = 0.15;
+const NODE_COST: f32 = 0.3;
 
 /// A primitive to sort: the box that stands for it, and who it is.
 ///
