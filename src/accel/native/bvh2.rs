@@ -128,3 +128,38 @@ fn node(prims: &mut [PrimRef], first: usize, depth: usize) -> Node2 {
     let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
     Node2 { bounds, kind: Kind::Inner(Box::new([left, right])) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The deepest leaf below a node, which must be no fuller than leaves may be.
+    fn deepest(node: &Node2, depth: usize) -> usize {
+        match &node.kind {
+            Kind::Leaf { count, .. } => {
+                assert!((1..=LEAF_SIZE).contains(count));
+                depth
+            }
+            Kind::Inner(halves) => halves.iter().map(|n| deepest(n, depth + 1)).max().unwrap_or(depth),
+        }
+    }
+
+    #[test]
+    fn no_tree_is_deeper_than_the_stacks_allow_however_late_it_is_noticed() {
+        // Each box twice as far away and twice as large as the last: the heuristic cuts off a few at a time.
+        let series = |i: usize| 2_f32.powi(i as i32 % 120 - 60);
+        for start in 0..=57 {
+            let mut prims: Vec<_> =
+                (0..500).map(|i| PrimRef::new([series(i); 3], [series(i) * 1.5; 3], 0, i as u32)).collect();
+            let depth = deepest(&node(&mut prims, 0, start), start);
+            assert!(depth <= MAX_DEPTH, "{depth} from {start}");
+        }
+    }
+
+    #[test]
+    fn a_thousand_boxes_in_one_place_are_halved() {
+        let mut prims: Vec<_> = (0..1000).map(|i| PrimRef::new([0.0; 3], [1.0; 3], 0, i)).collect();
+        let root = build(&mut prims).expect("not empty");
+        assert_eq!(deepest(&root, 0), 7);
+    }
+}

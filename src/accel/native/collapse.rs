@@ -12,6 +12,7 @@ pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> 
     };
     let mut flat = Flat::default();
     let root = flat.place(&root, 0);
+    flat.nodes.shrink_to_fit();
     let leaves = flat.leaves.par_iter().map(|&(first, count)| leaf(&prims[first..first + count])).collect();
     Bvh8 { nodes: flat.nodes, leaves, root, depth: flat.depth }
 }

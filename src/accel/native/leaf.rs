@@ -177,3 +177,38 @@ impl Best8 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slot_is_admitted_where_it_shares_a_kind() {
+        let masks = [0_u8, 1, 2, 3, 4, 128, 255, 0];
+        for filled in 0..=8 {
+            let tags = Tags::new(masks[..filled].iter().map(|&m| (7, 9, m)));
+            assert_eq!(tags.count(), filled);
+            for admits in 0..=u8::MAX {
+                let want = masks[..filled].iter().enumerate().fold(0, |b, (i, m)| b | u8::from(m & admits != 0) << i);
+                assert_eq!(tags.admitted(admits), want, "{admits:08b}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_equal_hits_the_lower_id_stays_whichever_comes_first() {
+        for ids in [[(0, 5), (1, 0)], [(2, 3), (2, 4)]] {
+            for order in [[0, 1], [1, 0]] {
+                let mut eight = Best8::new(F32x8::from(2.0));
+                let mut one = eight.lane(0);
+                for (geometry, primitive) in order.map(|i: usize| ids[i]) {
+                    let t = F32x8::ONE;
+                    eight.take(Mask8::ALL, t, t, t, geometry, primitive);
+                    one.take(1, t, t, t, &Tags::new([(geometry, primitive, 1)].into_iter()));
+                }
+                assert_eq!(one.hit().id(), (0, ids[0].0, ids[0].1));
+                assert!((0..8).all(|i| eight.lane(i).hit() == one.hit()));
+            }
+        }
+    }
+}

@@ -9,7 +9,7 @@ use crate::math::Real;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// A subtree that no more rays than this meet is walked by each of them alone.
-const ALONE: u32 = 2;
+const ALONE: u32 = 3;
 
 /// The nearest hits of the rays in `lanes`, which share an octant, taken into `best`.
 #[inline(never)]

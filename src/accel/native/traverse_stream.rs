@@ -33,10 +33,15 @@ impl Kernel {
             Self::Single => Group { lanes: left, together: false },
             Self::Packet => Group { lanes: rays.same_octant(left), together: true },
             Self::Auto => {
-                let lanes = rays.same_way(rays.same_octant(left));
-                let enough = if coherence == Coherence::Coherent { 3 } else { 5 };
                 // A ray whose length overflows is not even its own neighbour.
-                Group { lanes: lanes | (left & left.wrapping_neg()), together: lanes.count_ones() >= enough }
+                let lanes = rays.same_way(rays.same_octant(left)) | (left & left.wrapping_neg());
+                let coherent = coherence == Coherence::Coherent;
+                if lanes.count_ones() >= if coherent { 3 } else { 5 } {
+                    Group { lanes, together: true }
+                } else {
+                    // Scattered rays are not searched any further for a few that agree.
+                    Group { lanes: if coherent { lanes } else { left }, together: false }
+                }
             }
         }
     }
