@@ -6,6 +6,7 @@ use glam::Vec3;
 use support::contract::{self, bits};
 use support::{Rng, shapes};
 use vitrum::accel::native::{Kernel, Native, Scratch};
+use vitrum::accel::reference::{Reference, Verdict};
 use vitrum::accel::{BuildStats, Coherence, Intersector, Unbounded};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, TriMesh};
 use vitrum::simd::Mask8;
@@ -39,6 +40,35 @@ fn every_kernel_keeps_the_contract() {
     for kernel in KERNELS {
         contract::holds(|g| Held(sound(g), kernel), true);
     }
+}
+
+#[test]
+fn the_arbiter_keeps_the_contract() {
+    contract::holds(Reference::build, true);
+}
+
+#[test]
+fn the_arbiter_finds_no_fault_with_native_hits() {
+    let mut rng = Rng::new(14);
+    let mut geometry: Vec<Geometry> =
+        (0..20).map(|_| shapes::ball(rng.point(), rng.unit() * 0.2 + 0.01, GeometryMask::OPAQUE)).collect();
+    geometry.push(shapes::masked(shapes::closed_sphere(24, 0.2, 0.7, Vec3::ZERO), GeometryMask::OPAQUE));
+    geometry.push(shapes::masked(shapes::soup(400, 0.3, &mut rng), GeometryMask::OPAQUE));
+    geometry.push(shapes::plane(rng.point(), rng.direction(), GeometryMask::OPAQUE));
+    let it = Unbounded::new(sound(&geometry), &geometry);
+    let arbiter = Reference::build(&geometry);
+    let Shape::Mesh(mesh) = &geometry[20].shape else { unreachable!() };
+    let mut rays = assorted(20_000, &mut rng);
+    rays.extend(aimed(mesh, &[Vec3::new(0.1, 0.0, 0.05), Vec3::new(3.0, 2.0, -1.0)], &mut rng));
+    let (hits, blocked) = (contract::closest(&it, &rays), contract::occluded(&it, &rays));
+    let mut agreed = 0;
+    for ((ray, hit), blocked) in rays.iter().zip(&hits).zip(blocked) {
+        for verdict in [arbiter.judge(ray, hit), arbiter.judge_occluded(ray, blocked)] {
+            assert!(!matches!(verdict, Verdict::Wrong(_)), "{verdict:?}: {hit:?} for {ray:?}");
+            agreed += usize::from(verdict == Verdict::Agrees);
+        }
+    }
+    assert!(agreed > rays.len() * 2 * 9 / 10, "{agreed} of {}", rays.len() * 2);
 }
 
 #[test]
