@@ -28,20 +28,29 @@ pub fn bits(hit: &Hit) -> (u32, u32, u32, (u32, u32, u32)) {
     (hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.id())
 }
 
-/// Puts an implementor through everything below. `settles_ties` where it keeps the tie rule; Embree does not.
-pub fn holds<I: Intersector>(build: impl Fn(&[Geometry]) -> I, settles_ties: bool) {
+/// Puts an implementor through everything below. `exactly` where it keeps the tie rule, gives the same bits in
+/// whatever company a ray is traced, and sees behind the start; Embree does none of the three.
+pub fn holds<I: Intersector>(build: impl Fn(&[Geometry]) -> I, exactly: bool) {
     an_empty_scene_is_never_met(&build);
-    answers_by_hand(&build);
+    answers_by_hand(&build, exactly);
     both_faces_count(&build);
-    an_interval_is_open_below_and_closed_above(&build);
-    masks_hide(&build);
-    impossible_rays_meet_nothing_and_disturb_nobody(&build);
-    inactive_lanes_are_left_alone(&build);
-    lanes_do_not_matter(&build);
+    an_interval_is_open_below_and_closed_above(&build, exactly);
+    masks_hide(&build, exactly);
+    impossible_rays_meet_nothing_and_disturb_nobody(&build, exactly);
+    inactive_lanes_are_left_alone(&build, exactly);
+    lanes_do_not_matter(&build, exactly);
     blocked_is_having_a_hit(&build);
-    if settles_ties {
+    if exactly {
+        an_interval_may_lie_behind_the_start(&build);
         the_lower_id_wins_a_tie(&build);
     }
+}
+
+/// Whether two hits are the same to the last bit, or else (not `exactly`) the same but for rounding.
+fn same(a: &Hit, b: &Hit, exactly: bool) -> bool {
+    let near = |a: f32, b: f32, to: f32| (a - b).abs() <= to;
+    let nearly = || a.id() == b.id() && near(a.t, b.t, 1e-5 * b.t) && near(a.u, b.u, 1e-3) && near(a.v, b.v, 1e-3);
+    bits(a) == bits(b) || (!exactly && nearly())
 }
 
 fn ray(origin: [f32; 3], dir: [f32; 3]) -> Ray {
@@ -96,7 +105,7 @@ fn an_empty_scene_is_never_met<I: Intersector>(build: &impl Fn(&[Geometry]) -> I
     }
 }
 
-fn answers_by_hand<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
+fn answers_by_hand<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let ball = shapes::ball(Vec3::new(0.0, 0.0, 10.0), 1.0, GeometryMask::OPAQUE);
     let it = build(&[ball, shapes::masked(triangle(4.0), GeometryMask::OPAQUE)]);
     let hits = closest(
@@ -109,7 +118,7 @@ fn answers_by_hand<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
             ray([0.0, 0.0, 0.0], [0.0, 0.0, -1.0]),
         ],
     );
-    assert_eq!(hits[0], Hit { t: 4.0, u: 0.25, v: 0.25, instance: 0, geometry: 1, primitive: 0 });
+    assert!(same(&hits[0], &Hit { t: 4.0, u: 0.25, v: 0.25, instance: 0, geometry: 1, primitive: 0 }, exactly));
     assert_eq!((hits[1].t, hits[1].geometry, hits[1].primitive), (2.0, 0, 0));
     assert_eq!((hits[2].t, hits[2].geometry), (1.0, 0));
     assert_eq!(hits[3], Hit::MISS);
@@ -123,7 +132,7 @@ fn both_faces_count<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     assert!(hits[0].is_hit());
 }
 
-fn an_interval_is_open_below_and_closed_above<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
+fn an_interval_is_open_below_and_closed_above<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     for geometry in [
         shapes::masked(triangle(2.0), GeometryMask::OPAQUE),
         shapes::ball(Vec3::new(0.0, 0.0, 3.0), 1.0, GeometryMask::OPAQUE),
@@ -132,24 +141,30 @@ fn an_interval_is_open_below_and_closed_above<I: Intersector>(build: &impl Fn(&[
         let it = build(&[geometry]);
         let straight = ray([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
         let at = |t_min: f32, t_max: f32| closest(&it, &[Ray { t_min, t_max, ..straight }])[0];
-        assert_eq!(at(0.0, 2.0).t, 2.0);
-        assert_eq!(at(2.0_f32.next_down(), 2.0).t, 2.0);
-        assert_eq!(at(0.0, 2.0_f32.next_down()), Hit::MISS);
-        assert_eq!(at(-5.0, 5.0).t, 2.0);
-        let behind = at(2.0, f32::INFINITY);
+        // What 2 is taken for: an ulp off where a division is a product with a guess.
+        let t = at(0.0, 3.0).t;
+        assert!(t == 2.0 || (!exactly && (t - 2.0).abs() < 1e-6));
+        assert_eq!(at(0.0, t).t, t);
+        assert_eq!(at(t.next_down(), t).t, t);
+        assert_eq!(at(0.0, t.next_down()), Hit::MISS);
+        assert_eq!(at(-5.0, 5.0).t, t);
+        let behind = at(t, f32::INFINITY);
         if two_sided {
             assert_eq!(behind.t, 4.0);
         } else {
             assert_eq!(behind, Hit::MISS);
         }
     }
+}
+
+fn an_interval_may_lie_behind_the_start<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     let it = build(&[shapes::masked(triangle(-2.0), GeometryMask::OPAQUE)]);
     let back = Ray { t_min: -3.0, t_max: -1.0, ..ray([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]) };
     assert_eq!(closest(&it, &[back])[0].t, -2.0);
     assert!(occluded(&it, &[back])[0]);
 }
 
-fn masks_hide<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
+fn masks_hide<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&[
         shapes::masked(triangle(1.0), GeometryMask::OPAQUE),
         shapes::masked(triangle(2.0), GeometryMask::TRANSMISSIVE),
@@ -168,7 +183,8 @@ fn masks_hide<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     for (admits, t_min, t) in expected {
         let one = Ray { admits, t_min, ..ray([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]) };
         let hits = closest(&it, &[one; 8]);
-        assert!(hits.iter().all(|h| h.t == t), "{admits:?} from {t_min}: {hits:?}");
+        let right = |h: &Hit| h.t == t || (!exactly && (h.t - t).abs() < 1e-6);
+        assert!(hits.iter().all(right), "{admits:?} from {t_min}: {hits:?}");
         assert!(occluded(&it, &[one; 8]).iter().all(|&b| b == t.is_finite()));
     }
 }
@@ -199,7 +215,7 @@ fn impossible() -> Vec<Ray> {
     all
 }
 
-fn impossible_rays_meet_nothing_and_disturb_nobody<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
+fn impossible_rays_meet_nothing_and_disturb_nobody<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&still_life());
     let good = rays_at(5.0, 8, 17);
     let (want, want_blocked) = (closest(&it, &good), occluded(&it, &good));
@@ -212,7 +228,7 @@ fn impossible_rays_meet_nothing_and_disturb_nobody<I: Intersector>(build: &impl 
             for i in 0..8 {
                 let (expected, expected_blocked) =
                     if i == lane { (Hit::MISS, false) } else { (want[i], want_blocked[i]) };
-                assert_eq!(bits(&hits[i]), bits(&expected), "lane {i} beside {bad:?} in lane {lane}");
+                assert!(same(&hits[i], &expected, exactly), "lane {i} beside {bad:?} in lane {lane}");
                 assert_eq!(blocked[i], expected_blocked);
             }
         }
@@ -220,7 +236,7 @@ fn impossible_rays_meet_nothing_and_disturb_nobody<I: Intersector>(build: &impl 
     }
 }
 
-fn inactive_lanes_are_left_alone<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
+fn inactive_lanes_are_left_alone<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&still_life());
     let good = rays_at(5.0, 8, 23);
     let want = closest(&it, &good);
@@ -248,15 +264,15 @@ fn inactive_lanes_are_left_alone<I: Intersector>(build: &impl Fn(&[Geometry]) ->
             it.occluded(&[packet], &mut blocked, coherence, &mut scratch);
             for i in 0..8 {
                 let on = active >> i & 1 != 0;
-                let expected = if on { want[i] } else { mark };
-                assert_eq!(bits(&hits[0].lane(i)), bits(&expected), "lane {i} of {active:08b} beside {poison}");
+                let (expected, exactly) = if on { (want[i], exactly) } else { (mark, true) };
+                assert!(same(&hits[0].lane(i), &expected, exactly), "lane {i} of {active:08b} beside {poison}");
                 assert_eq!(blocked[0].lane(i), on && want_blocked[i], "lane {i} of {active:08b} beside {poison}");
             }
         }
     }
 }
 
-fn lanes_do_not_matter<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
+fn lanes_do_not_matter<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&still_life());
     let rays = rays_at(4.0, 800, 29);
     let want = closest(&it, &rays);
@@ -268,11 +284,11 @@ fn lanes_do_not_matter<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
         }
         let shuffled: Vec<Ray> = order.iter().map(|&i| rays[i]).collect();
         for (&i, got) in order.iter().zip(closest(&it, &shuffled)) {
-            assert_eq!(bits(&got), bits(&want[i]), "{:?}", rays[i]);
+            assert!(same(&got, &want[i], exactly), "{:?}", rays[i]);
         }
     }
     for (ray, want) in rays.iter().zip(&want) {
-        assert_eq!(bits(&closest(&it, std::slice::from_ref(ray))[0]), bits(want));
+        assert!(same(&closest(&it, std::slice::from_ref(ray))[0], want, exactly), "{ray:?}");
     }
 }
 
