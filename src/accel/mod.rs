@@ -8,6 +8,8 @@ use std::time::Duration;
 use crate::geometry::{Hit8, Ray8};
 use crate::simd::Mask8;
 
+#[cfg(feature = "embree")]
+pub mod embree;
 pub mod native;
 pub mod reference;
 mod unbounded;
