@@ -12,7 +12,9 @@ use glam::{DVec3, Vec3};
 use vitrum::accel::embree::device::{Device, Library};
 use vitrum::accel::embree::{Embree, Frequency, Isa, Mode, Options, Quality, Spheres, Width, find, sys};
 use vitrum::accel::{Coherence, Intersector, Unbounded};
-use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, NO_GEOMETRY, Ray, Ray8, Shape, Sphere, TriMesh};
+use vitrum::geometry::{
+    COORDINATE_LIMIT, Geometry, GeometryMask, Hit, Hit8, NO_GEOMETRY, Ray, Ray8, Shape, Sphere, TriMesh,
+};
 use vitrum::simd::Mask8;
 
 const WIDTHS: [Width; 4] = [Width::Auto, Width::One, Width::Eight, Width::Sixteen];
@@ -354,6 +356,30 @@ fn unusable_shapes_are_left_out_and_counted_and_the_others_keep_their_ids() {
     assert_eq!(one(&nothing, &Ray::new(Vec3::ZERO, Vec3::X)), Hit::MISS);
     let all_dropped = build(&shapes[..1], &Options::default());
     assert_eq!(one(&all_dropped, &Ray::new(Vec3::ZERO, Vec3::X)).geometry, NO_GEOMETRY);
+}
+
+#[test]
+fn shapes_as_far_out_as_is_allowed_are_hit() {
+    if library("far out").is_none() {
+        return;
+    }
+    let far = COORDINATE_LIMIT;
+    // Not as large as far away: Embree's t of a triangle is a product of three lengths before it is a quotient.
+    let wall = mesh(&[[-9e8, -9e8, -far], [9e8, -9e8, -far], [-9e8, 9e8, -far]], &[[0, 1, 2]]);
+    let huge = ball(Vec3::ZERO, far.next_down());
+    let down = Ray::new(Vec3::new(-4e8, -4e8, 0.0), Vec3::NEG_Z);
+    for shape in [wall, huge] {
+        for isa in [Isa::Best, Isa::Avx2] {
+            let options = Options { isa, ..Options::default() };
+            if Embree::build(&[], &options).is_err() {
+                continue;
+            }
+            let accel = build(std::slice::from_ref(&shape), &options);
+            let stats = accel.build_stats();
+            assert_eq!((stats.triangles + stats.spheres, stats.dropped), (1, 0));
+            assert!(one(&accel, &down).is_hit(), "{:?} {isa:?}", shape.shape);
+        }
+    }
 }
 
 /// Triangles in three meshes, of sizes from 0.01 to 1, with no order to them.

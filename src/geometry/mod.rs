@@ -17,8 +17,9 @@ pub use ray::{Ray, Ray8};
 pub use sphere::Sphere;
 pub use triangle::intersect as intersect_triangle;
 
-/// The largest magnitude of a coordinate that takes part in intersection, in scene units: areas stay finite in `f32`. Embree's bound is the same 1.844e18 (`FLT_LARGE`).
-pub const COORDINATE_LIMIT: f32 = 1.844e18;
+/// The largest magnitude of a coordinate that takes part in intersection, in scene units: areas stay finite in
+/// `f32`. It is the number below Embree's bound, which is 1.844e18 (`FLT_LARGE`) and exclusive.
+pub const COORDINATE_LIMIT: f32 = 1.844e18_f32.next_down();
 
 /// Which kinds of geometry a ray looks for; a set of bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

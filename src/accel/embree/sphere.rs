@@ -2,11 +2,13 @@
 
 use std::ffi::c_int;
 
+use glam::Vec3;
+
 use super::options::Mode;
 use super::packet;
 use super::scene::{UserGeometry, UserRays};
 use crate::geometry::slab::SlabRay;
-use crate::geometry::{Aabb, Sphere, sphere};
+use crate::geometry::{Aabb, COORDINATE_LIMIT, Sphere, sphere};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// Spheres that share a geometry mask, each with its place in the list the accelerator was built from.
@@ -61,7 +63,9 @@ impl UserGeometry for SphereGroup {
     fn bounds(&self, i: u32) -> Aabb {
         let (Sphere { centre, radius }, _) = self.spheres[i as usize];
         let (lo, hi) = sphere::grown_bounds::<f32>(centre.into(), radius);
-        Aabb { lo: lo.into(), hi: hi.into() }
+        // The margin may reach beyond what Embree accepts, though the sphere does not.
+        let limit = Vec3::splat(COORDINATE_LIMIT);
+        Aabb { lo: Vec3::from(lo).max(-limit), hi: Vec3::from(hi).min(limit) }
     }
 
     fn intersect(&self, i: u32, rays: UserRays) {
@@ -95,8 +99,6 @@ impl UserGeometry for SphereGroup {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::super::options::{Options, Width};
     use super::super::{Embree, tests};
     use super::*;
