@@ -11,9 +11,10 @@ use std::process::Command;
 use glam::{DVec3, Vec3};
 use vitrum::accel::embree::device::{Device, Library};
 use vitrum::accel::embree::{Embree, Frequency, Isa, Mode, Options, Quality, Spheres, Width, find, sys};
+use vitrum::accel::native::Native;
 use vitrum::accel::{Coherence, Intersector, Unbounded};
 use vitrum::geometry::{
-    COORDINATE_LIMIT, Geometry, GeometryMask, Hit, Hit8, NO_GEOMETRY, Ray, Ray8, Shape, Sphere, TriMesh,
+    COORDINATE_LIMIT, Geometry, GeometryMask, Hit, Hit8, NO_GEOMETRY, Plane, Ray, Ray8, Shape, Sphere, TriMesh,
 };
 use vitrum::simd::Mask8;
 
@@ -53,11 +54,11 @@ fn build(geometry: &[Geometry], options: &Options) -> Embree {
     Embree::build(geometry, options).unwrap()
 }
 
-fn trace(accel: &Embree, rays: &[Ray], coherence: Coherence) -> (Vec<Hit>, Vec<bool>) {
+fn trace<I: Intersector>(accel: &I, rays: &[Ray], coherence: Coherence) -> (Vec<Hit>, Vec<bool>) {
     let packets = Ray8::pack(rays);
     let mut hits = vec![Hit8::default(); packets.len()];
     let mut blocked = vec![Mask8::NONE; packets.len()];
-    let mut scratch = Default::default();
+    let mut scratch = I::Scratch::default();
     accel.closest(&packets, &mut hits, coherence, &mut scratch);
     accel.occluded(&packets, &mut blocked, coherence, &mut scratch);
     let lanes = || (0..rays.len()).map(|i| (i / 8, i % 8));
@@ -503,6 +504,44 @@ fn spheres_are_met_outside_inside_and_by_embrees_own_points() {
             assert!((inside.t - 15_f32.sqrt()).abs() < 1e-6, "{inside:?} {options:?}");
         }
     }
+}
+
+#[test]
+fn a_scene_of_spheres_and_planes_gives_the_bits_of_the_native_path() {
+    if library("spheres as in the native path").is_none() {
+        return;
+    }
+    let mut random = Random(12);
+    let mut shapes: Vec<Geometry> = (0..200).map(|_| ball(random.point() * 2.0, 0.02 + 0.3 * random.next())).collect();
+    let plane = Plane { point: Vec3::new(0.0, -1.5, 0.0), normal: Vec3::Y };
+    shapes.insert(7, Geometry { shape: Shape::Plane(plane), mask: GeometryMask::ALL });
+    let rays: Vec<Ray> = (0..20_000)
+        .map(|_| Ray { t_min: 0.3 * random.next(), ..Ray::new(random.point() * 3.0, random.point()) })
+        .collect();
+    let native = Unbounded::new(Native::build(&shapes), &shapes);
+    let want = trace(&native, &rays, Coherence::Incoherent);
+    assert!(want.1.iter().filter(|b| **b).count() > 5000 && want.1.iter().any(|b| !b));
+    for width in WIDTHS {
+        let embree = Unbounded::new(build(&shapes, &Options { width, ..Options::default() }), &shapes);
+        for coherence in BOTH {
+            assert!(trace(&embree, &rays, coherence) == want, "{width:?} {coherence:?}");
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_may_trace_at_once() {
+    if library("threads").is_none() {
+        return;
+    }
+    let accel = build(&soup(300, 14), &Options::default());
+    let mut random = Random(15);
+    let rays: Vec<Ray> = (0..4000).map(|_| Ray::new(random.point() * 2.0, random.point())).collect();
+    let alone = trace(&accel, &rays, Coherence::Coherent);
+    std::thread::scope(|scope| {
+        let threads = [0; 6].map(|_| scope.spawn(|| trace(&accel, &rays, Coherence::Coherent)));
+        assert!(threads.into_iter().all(|thread| thread.join().unwrap() == alone));
+    });
 }
 
 #[test]
