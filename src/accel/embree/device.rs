@@ -45,7 +45,8 @@ impl Library {
     /// end of the structs it is given.
     pub fn open(wished: Option<&Path>) -> Result<&'static Self> {
         let found = find::find(wished).map_err(|folder| {
-            Error::Limit(format!("Embree: no {} in {}; {CURE}", find::FILE_NAME, folder.display()))
+            let (file, folder) = (find::FILE_NAME, folder.display());
+            Error::Limit(format!("Embree: no {file} in {folder} (EMBREE_DIR): correct or unset that, or {CURE}"))
         })?;
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = loaded.iter().find(|l| l.file == found.file) {

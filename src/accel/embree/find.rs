@@ -12,12 +12,12 @@ const OWN_FOLDER: &str = ".embree";
 pub const CURE: &str = "install it (Debian 13, Ubuntu 24.04 and later: apt-get install libembree4-4), or run \
                         tests/get-embree, which needs no root; --backend native does without";
 
-/// What to hand to the dynamic loader, the first that exists; and all places that were considered.
+/// What to hand to the dynamic loader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
     /// A file, or the bare name that the system's loader resolves itself.
     pub file: PathBuf,
-    /// Why this one, in a word or two for reports.
+    /// Where it was found, in a word for reports.
     pub because: &'static str,
 }
 
