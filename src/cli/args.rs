@@ -87,9 +87,9 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, help_heading = "Light")]
     pub shadows: Option<ShadowsArg>,
 
-    /// What traces the rays
-    #[arg(long, value_enum, default_value_t = BackendArg::Native, help_heading = "Machine")]
-    pub backend: BackendArg,
+    /// What traces the rays [default: embree where built in, else native]
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub backend: Option<BackendArg>,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Machine")]
@@ -190,8 +190,10 @@ pub(super) enum BackendArg {
     Native,
     /// The f64 renderer: slow, obvious, the arbiter
     Reference,
-    /// Embree, where built in
+    /// Embree in its robust mode, where built in
     Embree,
+    /// Embree in its fast mode, which may lose rays at edges
+    EmbreeFast,
 }
 
 fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {

@@ -2,12 +2,69 @@
 
 use std::time::{Duration, Instant};
 
+use super::args::BackendArg;
 use super::interrupt;
-use super::options::Backend;
-use crate::accel::{BuildStats, Intersector as _, Unbounded, native::Native};
+use crate::accel::{BuildStats, Intersector, Unbounded, native::Native};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 use crate::{Error, Result};
+
+/// What traces rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Backend {
+    /// The eight-wide hierarchy, in `f32`.
+    Native,
+    /// The scalar renderer in `f64`.
+    Reference,
+    /// Embree, in one of its modes.
+    #[cfg(feature = "embree")]
+    Embree(crate::accel::embree::Mode),
+}
+
+impl Backend {
+    /// The one that was asked for, or this build's default.
+    ///
+    /// # Errors
+    /// A limit, where this build has no Embree.
+    #[cfg(feature = "embree")]
+    pub fn choose(wish: Option<BackendArg>) -> Result<Self> {
+        use crate::accel::embree::Mode;
+        Ok(match wish {
+            Some(BackendArg::Native) => Self::Native,
+            Some(BackendArg::Reference) => Self::Reference,
+            None | Some(BackendArg::Embree) => Self::Embree(Mode::Robust),
+            Some(BackendArg::EmbreeFast) => Self::Embree(Mode::Fast),
+        })
+    }
+
+    /// The one that was asked for, or this build's default.
+    ///
+    /// # Errors
+    /// A limit, where this build has no Embree.
+    #[cfg(not(feature = "embree"))]
+    pub fn choose(wish: Option<BackendArg>) -> Result<Self> {
+        match wish {
+            None | Some(BackendArg::Native) => Ok(Self::Native),
+            Some(BackendArg::Reference) => Ok(Self::Reference),
+            Some(BackendArg::Embree | BackendArg::EmbreeFast) => Err(Error::Limit(String::from(
+                "--backend embree: this program was built without it; build with `cargo build --release \
+                 --features embree`, or take --backend native",
+            ))),
+        }
+    }
+
+    /// The name in reports and metadata, as the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Native => "native",
+            Self::Reference => "reference",
+            #[cfg(feature = "embree")]
+            Self::Embree(crate::accel::embree::Mode::Robust) => "embree",
+            #[cfg(feature = "embree")]
+            Self::Embree(crate::accel::embree::Mode::Fast) => "embree-fast",
+        }
+    }
+}
 
 /// A picture and what it took.
 pub(super) struct Traced {
@@ -16,12 +73,14 @@ pub(super) struct Traced {
     pub build: Option<BuildStats>,
     pub build_time: Duration,
     pub render_time: Duration,
+    /// Version of the library that traced the rays, where it was not this program itself.
+    pub library: Option<String>,
 }
 
 /// Builds what `backend` needs and renders.
 ///
 /// # Errors
-/// `Interrupted`; a limit, where threads cannot be started.
+/// `Interrupted`; a limit, where threads cannot be started or a library is missing.
 pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer: &Observer) -> Result<Traced> {
     // Trees are built by rayon's own threads.
     rayon::ThreadPoolBuilder::new()
@@ -30,16 +89,36 @@ pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.thread_count())))?;
     let start = Instant::now();
     match backend {
-        Backend::Native => {
-            let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
-            let build_time = start.elapsed();
-            let outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
-            let render_time = start.elapsed() - build_time;
-            Ok(Traced { outcome, build: Some(accel.build_stats()), build_time, render_time })
-        }
+        Backend::Native => with(Native::build(&scene.geometry), start, scene, options, observer),
         Backend::Reference => {
             let outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
-            Ok(Traced { outcome, build: None, build_time: Duration::ZERO, render_time: start.elapsed() })
+            let render_time = start.elapsed();
+            Ok(Traced { outcome, build: None, build_time: Duration::ZERO, render_time, library: None })
+        }
+        #[cfg(feature = "embree")]
+        Backend::Embree(mode) => {
+            use crate::accel::embree::{self, Embree};
+            let threads = options.thread_count();
+            let built =
+                Embree::build(&scene.geometry, &embree::Options { mode, threads, ..embree::Options::default() })?;
+            let [major, minor, patch] = built.library().version;
+            let traced = with(built, start, scene, options, observer)?;
+            Ok(Traced { library: Some(format!("Embree {major}.{minor}.{patch}")), ..traced })
         }
     }
+}
+
+/// Renders with a hierarchy whose build began at `start`.
+fn with<I: Intersector>(
+    bounded: I,
+    start: Instant,
+    scene: &Scene,
+    options: &Options,
+    observer: &Observer,
+) -> Result<Traced> {
+    let accel = Unbounded::new(bounded, &scene.geometry);
+    let build_time = start.elapsed();
+    let outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
+    let render_time = start.elapsed() - build_time;
+    Ok(Traced { outcome, build: Some(accel.build_stats()), build_time, render_time, library: None })
 }

@@ -1,6 +1,7 @@
 //! What a picture file says of its own making: what decided its pixels, and nothing that varies from run to run.
 
-use super::options::{Backend, Exposure};
+use super::backend::Backend;
+use super::options::Exposure;
 use crate::optics::FresnelModel;
 use crate::scene::{Settings, ShadowRule};
 use crate::simd::level;
@@ -10,6 +11,7 @@ pub(super) fn of(
     settings: &Settings,
     fresnel: FresnelModel,
     backend: Backend,
+    library: Option<&str>,
     exposure: Exposure,
 ) -> Vec<(String, String)> {
     [
@@ -24,6 +26,7 @@ pub(super) fn of(
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
     .into_iter()
+    .chain(library.map(|version| ("vitrum:library", version.to_owned())))
     .map(|(name, value)| (name.to_owned(), value))
     .collect()
 }

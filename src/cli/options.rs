@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::{BackendArg, BitsArg, CompareArgs, FresnelArg, RenderArgs, ShadowsArg};
+use super::args::{BitsArg, CompareArgs, FresnelArg, RenderArgs, ShadowsArg};
+use super::backend::Backend;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::FresnelModel;
 use crate::scene::{Settings, ShadowRule};
@@ -10,25 +11,6 @@ use crate::{Error, Result, render};
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
 const MOST_PIXELS: u64 = 1 << 27;
-
-/// What traces rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Backend {
-    /// The eight-wide hierarchy, in `f32`.
-    Native,
-    /// The scalar renderer in `f64`.
-    Reference,
-}
-
-impl Backend {
-    /// The name in reports and metadata.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Native => "native",
-            Self::Reference => "reference",
-        }
-    }
-}
 
 /// A picture to be rendered.
 #[derive(Debug)]
@@ -98,16 +80,7 @@ impl TryFrom<RenderArgs> for Render {
     type Error = Error;
 
     fn try_from(args: RenderArgs) -> Result<Self> {
-        let backend = match args.backend {
-            BackendArg::Native => Backend::Native,
-            BackendArg::Reference => Backend::Reference,
-            BackendArg::Embree => {
-                return Err(Error::Limit(String::from(
-                    "--backend embree: this program was built without it; build with `cargo build --release \
-                     --features embree`, or take --backend native",
-                )));
-            }
-        };
+        let backend = Backend::choose(args.backend)?;
         let name = match args.output {
             Some(name) => name,
             None => default_output(&args.scene)?,

@@ -37,7 +37,7 @@ pub(super) fn run(job: Render) -> Result<Verdict> {
 
     let start = Instant::now();
     expose(&mut traced.outcome.film, job.exposure);
-    let clipped = interrupt::heeded(|| write(&job, &scene, &traced.outcome.film, &observer))?;
+    let clipped = interrupt::heeded(|| write(&job, &scene, &traced, &observer))?;
     let write_time = start.elapsed();
 
     if job.quiet && !job.json {
@@ -89,9 +89,10 @@ fn expose(film: &mut Film, exposure: Exposure) {
     }
 }
 
-fn write(job: &Render, scene: &Scene, film: &Film, observer: &Observer) -> Result<image::Clipped> {
-    let metadata = metadata::of(&scene.settings, job.options.fresnel, job.backend, job.exposure);
-    let encoded = image::encode(film, &Encoding { format: job.format, bits: job.bits, metadata })?;
+fn write(job: &Render, scene: &Scene, traced: &Traced, observer: &Observer) -> Result<image::Clipped> {
+    let library = traced.library.as_deref();
+    let metadata = metadata::of(&scene.settings, job.options.fresnel, job.backend, library, job.exposure);
+    let encoded = image::encode(&traced.outcome.film, &Encoding { format: job.format, bits: job.bits, metadata })?;
     job.output.write(&encoded.bytes, || !observer.stop.load(Ordering::SeqCst))?;
     Ok(encoded.clipped)
 }
@@ -118,6 +119,7 @@ mod tests {
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,
             render_time: Duration::ZERO,
+            library: None,
         };
         let refused =
             |traced: &Traced| refuse_losses(Path::new("a.toml"), traced).map_err(|e| (e.exit_code(), e.to_string()));

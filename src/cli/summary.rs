@@ -31,6 +31,8 @@ pub(super) struct Summary {
     format: String,
     picture: Picture,
     backend: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    library: Option<String>,
     simd: &'static str,
     threads: usize,
     tile: u32,
@@ -161,6 +163,7 @@ impl Summary {
                 exposure: job.exposure.ev,
             },
             backend: job.backend.name(),
+            library: facts.traced.library.clone(),
             simd: level::BUILT,
             threads: job.options.thread_count(),
             tile: job.options.tile,
@@ -228,7 +231,9 @@ impl Summary {
             let (nodes, leaves) = (counted(t.nodes as u64, "node"), grouped(t.leaves as u64));
             line("tree", format!("{nodes}, {leaves} leaves, depth {}, {}", t.depth, bytes(t.bytes as u64)));
         }
-        line("back end", format!("{}, {}, {}", self.backend, self.simd, counted(self.threads as u64, "thread")));
+        let library = self.library.as_ref().map_or(String::new(), |version| format!(" ({version})"));
+        let threads = counted(self.threads as u64, "thread");
+        line("back end", format!("{}{library}, {}, {threads}", self.backend, self.simd));
         let t = &self.seconds;
         line(
             "time",
