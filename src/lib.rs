@@ -41,5 +41,6 @@ pub mod optics;
 pub mod render;
 pub mod scene;
 pub mod simd;
+pub mod trial;
 
 pub use error::{Error, Result};

@@ -14,7 +14,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("image", &[]),
     ("load", &["scene", "geometry", "image", "optics", "math"]),
     ("render", &["scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("cli", &["load", "render", "accel", "image", "scene", "optics", "simd"]),
+    ("trial", &["accel", "geometry", "simd", "math"]),
+    ("cli", &["trial", "load", "render", "accel", "image", "scene", "optics", "simd"]),
 ];
 
 fn rust_files(dir: &Path, out: &mut Vec<PathBuf>) {
