@@ -108,14 +108,12 @@ impl<'a> MediaTable<'a> {
         let current = self.top(stack);
         let ior = |m: u32| self.media[m as usize].ior;
         let (real, n1, n2, unmatched) = if entering {
-            let real = self.media[medium as usize].priority >= self.media[current as usize].priority || list.is_empty();
+            let real = self.media[medium as usize].priority >= self.media[current as usize].priority;
             insert(&mut list, medium, self.media);
             (real, ior(current), ior(medium), false)
         } else if let Some(at) = list.iter().rposition(|&m| m == medium) {
-            let real = at + 1 == list.len();
             list.remove(at);
-            let outside = list.last().copied().unwrap_or(0);
-            (real, ior(medium), ior(outside), false)
+            (medium == current, ior(medium), ior(filling(&list, self.media)), false)
         } else {
             (true, ior(medium), ior(current), true)
         };
@@ -130,7 +128,7 @@ impl<'a> MediaTable<'a> {
             return id;
         }
         let id = StackId(self.stacks.len() as u32);
-        let medium = stack.last().copied().unwrap_or(0);
+        let medium = filling(&stack, self.media);
         let absorption = self.media[medium as usize].absorption;
         self.tops.push(Top { medium, absorption, absorbs: absorption != Rgb::ZERO });
         self.transitions.push(vec![None; self.media.len() * 2]);
@@ -146,6 +144,12 @@ fn insert(stack: &mut Vec<u32>, medium: u32, media: &[Medium]) {
     let priority = media[medium as usize].priority;
     let at = stack.partition_point(|&m| media[m as usize].priority <= priority);
     stack.insert(at, medium);
+}
+
+/// The medium that fills space where `stack` has been entered: its top, unless what surrounds everything comes before
+/// that.
+fn filling(stack: &[u32], media: &[Medium]) -> u32 {
+    stack.last().copied().filter(|&m| media[m as usize].priority >= media[0].priority).unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -115,8 +115,7 @@ impl<I: Intersector> Worker<'_, I> {
     }
 
     fn coated<F: FresnelFormula>(&mut self, surface: &Surface8, depth: usize) {
-        let reflectance = self.interface_reflectance::<F>(surface);
-        let reflected = Vec3x8::all(reflectance);
+        let reflected = Vec3x8::all(self.interface_reflectance::<F>(surface).0);
         self.base(surface, WHITE - reflected);
         let dir = reflect(surface.incident, surface.shading);
         self.reflected(surface, surface.active, dir, surface.weight.times(reflected), depth);
@@ -124,8 +123,8 @@ impl<I: Intersector> Worker<'_, I> {
 
     fn thin<F: FresnelFormula>(&mut self, surface: &Surface8, depth: usize) {
         self.base(surface, WHITE);
-        let pane = thin_reflectance(self.interface_reflectance::<F>(surface));
-        let reflected = self.ruled(surface, Vec3x8::all(pane), Mask8::NONE);
+        let (face, total) = self.interface_reflectance::<F>(surface);
+        let reflected = self.ruled(surface, Vec3x8::all(thin_reflectance(face)), total);
         let tint =
             self.gather(surface, |i| if let Interface::ThinDielectric { tint, .. } = i { *tint } else { Vec3::ONE });
         let dir = reflect(surface.incident, surface.shading);
@@ -197,16 +196,16 @@ impl<I: Intersector> Worker<'_, I> {
         }
     }
 
-    /// Fresnel reflectance of coats and panes: one face, from the medium the ray is in.
-    fn interface_reflectance<F: FresnelFormula>(&self, surface: &Surface8) -> F32x8 {
+    /// Fresnel reflectance of coats and panes (one face, from the medium the ray is in), and where it is total.
+    fn interface_reflectance<F: FresnelFormula>(&self, surface: &Surface8) -> (F32x8, Mask8) {
         let boundary = gather_boundaries(|k| match self.material(surface, k).interface {
             Interface::Coated { ior } | Interface::ThinDielectric { ior, .. } => {
                 Boundary::new(self.media.ior(surface.stack[k]), f64::from(ior))
             }
             _ => Boundary::new(1.0, 1.0),
         });
-        let cos_i = -surface.incident.dot(surface.shading);
-        F::dielectric(&boundary, &boundary.cross(cos_i))
+        let at = boundary.cross(-surface.incident.dot(surface.shading));
+        (F::dielectric(&boundary, &at), at.total)
     }
 
     /// The reflected share by each lane's rule: Fresnel's, or a fixed one unless the reflection is total.

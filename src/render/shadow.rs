@@ -69,7 +69,7 @@ impl<I: Intersector> Worker<'_, I> {
                 chunk.rays[packet].active = hit;
                 refs.extend((0..8).filter(|k| hit >> k & 1 != 0).map(|k| (packet * 8 + k) as HitRef));
             }
-            let done = refs.is_empty() || step > MOST_PASSES;
+            let done = refs.is_empty() || step == MOST_PASSES;
             if !done {
                 for eight in refs.chunks(8) {
                     self.pass_through::<F>(chunk, &hits, eight);
@@ -139,6 +139,7 @@ impl<I: Intersector> Worker<'_, I> {
                 Interface::Dielectric { medium, rule, tint: colour } => {
                     let crossing = self.media.cross(surface.stack[k], medium, surface.front.lane(k));
                     beyond[k] = crossing.beyond;
+                    self.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
                     if crossing.real {
                         boundaries[k] = crossing.thin_side;
                         tint.set_lane(k, colour);
@@ -168,9 +169,10 @@ impl<I: Intersector> Worker<'_, I> {
         }
         let boundary = gather_boundaries(|k| boundaries[k]);
         let cos_i = -surface.incident.dot(surface.normal);
-        let face = F::dielectric(&boundary, &boundary.cross(cos_i));
+        let at = boundary.cross(cos_i);
+        let face = F::dielectric(&boundary, &at);
         let reflectance = Real::select(Mask8::from_bits(thin), thin_reflectance(face), face);
-        let reflected = Vec3x8::select(Mask8::from_bits(by_rule), fixed, Vec3x8::all(reflectance));
+        let reflected = Vec3x8::select(Mask8::from_bits(by_rule) & !at.total, fixed, Vec3x8::all(reflectance));
         (Vec3x8::splat(Vec3::ONE) - reflected).times(tint)
     }
 

@@ -123,15 +123,14 @@ impl Surface8 {
         self.reach * dir.dot(self.normal).abs()
     }
 
-    /// Texture coordinates of lane `k`; the middle of the picture where the mesh has none. A sphere's run once
-    /// around +y from -z (u) and from bottom to top (v).
+    /// Texture coordinates of lane `k`, as [`crate::scene::Colour::Image`] has them.
     #[must_use]
     pub fn uv(&self, scene: &Scene, k: usize) -> Vec2 {
         let hit = &self.hit[k];
         match &scene.geometry[hit.geometry as usize].shape {
             Shape::Mesh(mesh) => mesh
                 .corner_uvs(hit.primitive as usize)
-                .map_or(Vec2::splat(0.5), |[a, b, c]| a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v),
+                .map_or(Vec2::ZERO, |[a, b, c]| a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v),
             Shape::Sphere(_) => {
                 let n = if self.front.lane(k) { self.normal.lane(k) } else { -self.normal.lane(k) };
                 Vec2::new(
@@ -139,7 +138,7 @@ impl Surface8 {
                     1.0 - n.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI,
                 )
             }
-            Shape::Plane(_) => Vec2::splat(0.5),
+            Shape::Plane(_) => Vec2::ZERO,
         }
     }
 }

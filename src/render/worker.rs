@@ -15,7 +15,7 @@ use super::tile::Tile;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{GeometryMask, Hit8, Ray8};
 use crate::optics::FresnelFormula;
-use crate::scene::{Scene, ShadowRule};
+use crate::scene::{Rgb, Scene, ShadowRule};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 use crate::{Error, Result};
 
@@ -64,7 +64,8 @@ impl<'a, I: Intersector> Worker<'a, I> {
         let mut media = MediaTable::new(&scene.media);
         let eye_stack = media.stack_of(eye_media);
         let transmissive = scene.geometry.iter().any(|g| g.mask.meets(GeometryMask::TRANSMISSIVE));
-        let march_shadows = transmissive && scene.settings.shadows == ShadowRule::Straight;
+        let absorbing = scene.media.iter().any(|m| m.absorption != Rgb::ZERO);
+        let march_shadows = (transmissive || absorbing) && scene.settings.shadows == ShadowRule::Straight;
         Self {
             scene,
             accel,

@@ -83,7 +83,9 @@ impl Material {
 pub enum Colour {
     /// The same everywhere.
     Constant(Rgb),
-    /// A picture, looked up bilinearly at the surface's texture coordinates, repeated; times `scale`.
+    /// A picture, looked up bilinearly at the surface's texture coordinates, repeated; times `scale`. A mesh brings its
+    /// own coordinates; a sphere's are those of its normal in an equirectangular picture
+    /// ([`super::Environment::LatLong`]); planes, and meshes that bring none, are at (0, 0) everywhere.
     Image {
         /// Place in `Scene::textures`.
         texture: u32,

@@ -96,6 +96,9 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
         return (DVec3::ZERO, 0);
     }
     for crossing in crossings {
+        if share_left == DVec3::ZERO {
+            break;
+        }
         share_left *= absorbed(&stack, crossing.t - reached);
         reached = crossing.t;
         let cos = crossing.cos;

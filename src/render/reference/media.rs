@@ -86,7 +86,7 @@ pub(super) fn around_the_eye(scene: &Scene, accel: &Reference) -> MediumStack {
     ray.admits = GeometryMask::TRANSMISSIVE;
     let mut around = Vec::new();
     let mut entered: Vec<u32> = Vec::new();
-    for crossing in surface::crossings(scene, accel, &ray) {
+    for crossing in surface::crossings(scene, accel, &ray).into_iter().take(256) {
         let geometry = crossing.geometry as usize;
         let Some(medium) = medium_of(geometry) else { continue };
         if matches!(scene.geometry[geometry].shape, Shape::Plane(_)) {

@@ -4,10 +4,6 @@
 //! `src/scene/material.rs`, and shares with the eight-wide renderer only what both must mean alike: the formulas of
 //! [`crate::optics`] (here in `f64`) and the scene. It is the source of reference pictures, and the judge of single
 //! pixels: [`Prepared::radiance_at`] and [`Prepared::radiance_along`] answer for any point of the film and any ray.
-//!
-//! What the description leaves open is settled here as follows. A fixed share of a thin pane is that of both faces at
-//! once. A mirror whose source is the environment looks it up even at the depth limit, and unweakened by any medium. A ray
-//! that goes on through a surface that is not there is counted as one more ray of its kind.
 
 mod camera;
 mod colour;

@@ -26,7 +26,7 @@ pub(super) struct Surface {
     pub outward: DVec3,
     /// Interpolated unit normal, where the mesh has any; on either side.
     pub interpolated: Option<DVec3>,
-    /// Texture coordinates; (0, 0) on planes and meshes without.
+    /// Texture coordinates, as [`crate::scene::Colour::Image`] has them.
     pub uv: DVec2,
 }
 

@@ -107,7 +107,8 @@ impl<'a> Tracer<'a> {
             return;
         }
         let origin = surface.start(ray.dir);
-        self.pending.push(Pending { origin, stack, passed: ray.passed + 1, ..ray.clone() });
+        let kind = RayKind::Transmitted;
+        self.pending.push(Pending { origin, stack, kind, passed: ray.passed + 1, ..ray.clone() });
     }
 
     /// The table of shares at the head of `scene/material.rs`.
@@ -130,7 +131,9 @@ impl<'a> Tracer<'a> {
             }
             Interface::Conductor { eta, k } => {
                 self.base(at, 1.0);
-                self.reflected(at, of_metal(prepared.fresnel, at.cos_i, eta.as_dvec3(), k.as_dvec3()));
+                // A metal's index counts relative to what the light comes through.
+                let (eta, k) = (eta.as_dvec3() / here(), k.as_dvec3() / here());
+                self.reflected(at, of_metal(prepared.fresnel, at.cos_i, eta, k));
             }
             Interface::Dielectric { rule, tint, .. } => {
                 self.base(at, 1.0);
@@ -142,9 +145,10 @@ impl<'a> Tracer<'a> {
                 self.reflected(at, r);
                 if !crossing.total {
                     let dir: Vector3<f64> = boundary.refract(at.ray.dir.into(), at.shading.into(), &crossing);
+                    // Light that is not bent at all goes on as it came.
                     let dir = match at.surface.interpolated {
-                        Some(_) => below_surface(dir, at.geometric.into()),
-                        None => dir,
+                        Some(_) if boundary.kc != 0.0 => below_surface(dir, at.geometric.into()),
+                        _ => dir,
                     };
                     self.send(at, RayKind::Transmitted, dir.into(), (one - r) * tint.as_dvec3(), beyond);
                 }
