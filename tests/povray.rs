@@ -10,7 +10,6 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use vitrum::accel::Unbounded;
 use vitrum::accel::native::Native;
 use vitrum::image::Film;
@@ -22,9 +21,6 @@ use vitrum::scene::Scene;
 
 /// Most that a channel of a pixel may differ, in radiance.
 const TOLERANCE: f64 = 5e-4;
-
-/// How far a camera ray is moved to see whether a pixel is well-conditioned, in ulps of 1.
-const ULPS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// A picture of the reference folder: linear radiance in rows from the top.
 struct Picture {
@@ -63,24 +59,7 @@ fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, |worst, d| if d <= worst { worst } else { d })
 }
 
-/// Whether the `f64` renderer's own value of pixel (x, y) moves by more than the tolerance when the camera ray's
-/// direction, and its origin if that is what tells rays apart, moves by a few ulps.
-fn is_ill_conditioned(prepared: &Prepared<'_>, scene: &Scene, x: u32, y: u32) -> bool {
-    let (origin, dir) = prepared.camera_ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    let here = prepared.radiance_along(origin, dir);
-    let (right, up) = dir.any_orthonormal_pair();
-    let reach = scene.camera.eye.as_dvec3().abs().max_element();
-    ULPS.iter().any(|ulps| {
-        (0..8).any(|turn| {
-            let (s, c) = (f64::from(turn) * std::f64::consts::FRAC_PI_4).sin_cos();
-            let step: DVec3 = (right * c + up * s) * (ulps * f64::from(f32::EPSILON));
-            let moved = [(origin, (dir + step).normalize()), (origin + step * reach, dir)];
-            moved.iter().any(|&(o, d)| difference(prepared.radiance_along(o, d), here) > TOLERANCE)
-        })
-    })
-}
-
-fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, prepared: &Prepared<'_>, scene: &Scene) {
+fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, prepared: &Prepared<'_>) {
     assert_eq!((film.width, film.height), (expected.width, expected.height), "{name}");
     let mut beyond = Vec::new();
     let (mut worst, mut sum) = (0.0_f64, 0.0);
@@ -106,7 +85,8 @@ fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, pre
         n * 1000 <= pixels,
         "{name}, {renderer} renderer: {n} of {pixels} pixels are beyond {TOLERANCE}: {beyond:?}"
     );
-    beyond.retain(|&(x, y, ..)| !is_ill_conditioned(prepared, scene, x, y));
+    let is_edge = |x, y| prepared.is_ill_conditioned(f64::from(x) + 0.5, f64::from(y) + 0.5, TOLERANCE);
+    beyond.retain(|&(x, y, ..)| !is_edge(x, y));
     assert!(
         beyond.is_empty(),
         "{name}, {renderer} renderer: pixels (x, y, ours, theirs) differ and are no edges: {beyond:?}"
@@ -123,12 +103,12 @@ fn agrees_with_povray(name: &str, fresnel: FresnelModel) {
     let prepared = Prepared::new(&scene, fresnel);
 
     let film = reference::render(&scene, &options, &observer).expect("renders").film;
-    hold_against("reference", name, &film, &expected, &prepared, &scene);
+    hold_against("reference", name, &film, &expected, &prepared);
 
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
     let outcome = render::render(&scene, &accel, &options, &observer).expect("renders");
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{name}");
-    hold_against("native", name, &outcome.film, &expected, &prepared, &scene);
+    hold_against("native", name, &outcome.film, &expected, &prepared);
 }
 
 macro_rules! scenes {

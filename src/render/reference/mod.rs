@@ -7,6 +7,7 @@
 
 mod camera;
 mod colour;
+mod condition;
 mod light;
 mod media;
 mod split;
