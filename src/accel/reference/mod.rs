@@ -18,7 +18,7 @@ use std::time::Instant;
 
 pub use margin::{Contact, Margin};
 pub use ray::{Hit64, Ray64};
-pub use verdict::{Cause, Fault, Verdict};
+pub use verdict::{Cause, Examined, Fault, Verdict};
 
 use super::BuildStats;
 use crate::geometry::Geometry;

@@ -85,15 +85,35 @@ impl Contact {
     }
 }
 
-impl Reference {
-    /// Judges the nearest hit that another path claims for `ray`. Only primitives that were kept can be claimed.
+/// What there is to know of one ray: found once, and held against any number of answers.
+#[derive(Clone, Debug)]
+pub struct Examined<'a> {
+    reference: &'a Reference,
+    ray: Ray,
+    wide: Ray64,
+    contacts: Vec<Contact>,
+    truth: Hit64,
+}
+
+impl Examined<'_> {
+    /// The nearest hit in `f64`, or a miss.
     #[must_use]
-    pub fn judge(&self, ray: &Ray, claim: &Hit) -> Verdict {
-        let wide = Ray64::from(ray);
-        let contacts = self.contacts(&wide);
-        let truth = self.closest(&wide);
+    pub fn truth(&self) -> &Hit64 {
+        &self.truth
+    }
+
+    /// Everything that `f32` may find, nearest first.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Judges the nearest hit that another path claims. Only primitives that were kept can be claimed.
+    #[must_use]
+    pub fn judge(&self, claim: &Hit) -> Verdict {
+        let Self { reference, ray, wide, contacts, truth } = self;
         if !claim.is_hit() {
-            return self.judge_nothing(&wide, &contacts, &truth);
+            return self.judge_nothing();
         }
         if !(ray.t_min < claim.t && claim.t <= ray.t_max) {
             return Verdict::Wrong(Fault::OutsideInterval);
@@ -108,10 +128,10 @@ impl Reference {
             return Verdict::Wrong(Fault::TOutOfBounds);
         }
         let mut nearer = contacts.iter().filter(|c| c.inside && c.is_surely_before(found));
-        if nearer.clone().any(|c| c.is_certain(&wide)) {
+        if nearer.clone().any(|c| c.is_certain(wide)) {
             return Verdict::Wrong(Fault::OtherPrimitive);
         }
-        if nearer.any(|c| c.interval(&wide).is_decided() && self.goes_on_around(&wide, c, 0.5 * (c.t + found.t))) {
+        if nearer.any(|c| c.interval(wide).is_decided() && reference.goes_on_around(wide, c, 0.5 * (c.t + found.t))) {
             return Verdict::Wrong(Fault::Leak);
         }
         if truth.id() == claim.id() && truth.is_hit() && (truth.t - found.t).abs() <= found.bound {
@@ -121,11 +141,11 @@ impl Reference {
                 Verdict::Undecidable(Cause::Sliver, Margin { distance: off(found), bound: found.bound })
             };
         }
-        if !found.is_certain(&wide) {
-            return found.doubt(&wide);
+        if !found.is_certain(wide) {
+            return found.doubt(wide);
         }
         match contacts.iter().filter(|c| c.id == truth.id()).min_by(|a, b| a.t.total_cmp(&b.t)) {
-            Some(c) if !c.is_certain(&wide) => c.doubt(&wide),
+            Some(c) if !c.is_certain(wide) => c.doubt(wide),
             Some(c) => Verdict::Undecidable(
                 Cause::Tie,
                 Margin { distance: (c.t - found.t).abs(), bound: c.bound + found.bound },
@@ -135,36 +155,55 @@ impl Reference {
         }
     }
 
-    /// Judges the claim that `ray` is blocked, or is not.
+    /// Judges the claim that the ray is blocked, or is not.
     #[must_use]
-    pub fn judge_occluded(&self, ray: &Ray, claim: bool) -> Verdict {
-        let wide = Ray64::from(ray);
-        let contacts = self.contacts(&wide);
-        let truth = self.closest(&wide);
+    pub fn judge_occluded(&self, claim: bool) -> Verdict {
         if !claim {
-            return self.judge_nothing(&wide, &contacts, &truth);
+            return self.judge_nothing();
         }
-        if truth.is_hit() {
+        if self.truth.is_hit() {
             return Verdict::Agrees;
         }
-        contacts.first().map_or(Verdict::Wrong(Fault::FalseHit), |c| c.doubt(&wide))
+        self.contacts.first().map_or(Verdict::Wrong(Fault::FalseHit), |c| c.doubt(&self.wide))
     }
 
-    fn judge_nothing(&self, ray: &Ray64, contacts: &[Contact], truth: &Hit64) -> Verdict {
-        if contacts.iter().any(|c| c.is_certain(ray)) {
+    fn judge_nothing(&self) -> Verdict {
+        let Self { reference, wide, contacts, truth, .. } = self;
+        if contacts.iter().any(|c| c.is_certain(wide)) {
             return Verdict::Wrong(Fault::MissedHit);
         }
         if !truth.is_hit() {
             return Verdict::Agrees;
         }
-        let solid = |c: &&Contact| c.inside && ray.sees(c.t) && c.interval(ray).is_decided();
-        if contacts.iter().filter(solid).any(|c| self.goes_on_around(ray, c, f64::INFINITY)) {
+        let solid = |c: &&Contact| c.inside && wide.sees(c.t) && c.interval(wide).is_decided();
+        if contacts.iter().filter(solid).any(|c| reference.goes_on_around(wide, c, f64::INFINITY)) {
             return Verdict::Wrong(Fault::Leak);
         }
         match contacts.iter().find(|c| c.id == truth.id()) {
-            Some(c) => c.doubt(ray),
+            Some(c) => c.doubt(wide),
             None => Verdict::Wrong(Fault::MissedHit),
         }
+    }
+}
+
+impl Reference {
+    /// Finds out all that [`Reference::judge`] and [`Reference::judge_occluded`] need to know of `ray`.
+    #[must_use]
+    pub fn examine(&self, ray: &Ray) -> Examined<'_> {
+        let wide = Ray64::from(ray);
+        Examined { reference: self, ray: *ray, wide, contacts: self.contacts(&wide), truth: self.closest(&wide) }
+    }
+
+    /// Judges the nearest hit that another path claims for `ray`. Only primitives that were kept can be claimed.
+    #[must_use]
+    pub fn judge(&self, ray: &Ray, claim: &Hit) -> Verdict {
+        self.examine(ray).judge(claim)
+    }
+
+    /// Judges the claim that `ray` is blocked, or is not.
+    #[must_use]
+    pub fn judge_occluded(&self, ray: &Ray, claim: bool) -> Verdict {
+        self.examine(ray).judge_occluded(claim)
     }
 
     /// Everything that `f32` may find along `ray`.
