@@ -18,12 +18,14 @@ pub mod device;
 mod fill;
 pub mod find;
 mod options;
+mod packed;
 mod packet;
 pub mod scene;
 mod sphere;
 pub mod sys;
 
 pub use options::{Frequency, Isa, Mode, Options, Quality, Spheres, Width};
+pub use packed::Packed;
 
 use device::{Device, Library};
 use fill::Filling;
