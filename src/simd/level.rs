@@ -61,6 +61,25 @@ pub fn needed() -> Vec<(&'static str, bool)> {
     Vec::new()
 }
 
+/// The best instruction set that this machine could run a build for, in the words of [`BUILT`].
+#[must_use]
+pub fn available() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    return x86::available();
+    #[cfg(not(target_arch = "x86_64"))]
+    BUILT
+}
+
+/// Whether the operating system saves the 256-bit and the 512-bit registers (XCR0, by XGETBV). False where there are
+/// none to save.
+#[must_use]
+pub fn saved() -> [bool; 2] {
+    #[cfg(target_arch = "x86_64")]
+    return x86::saved();
+    #[cfg(not(target_arch = "x86_64"))]
+    [false; 2]
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::io::Write as _;
@@ -266,6 +285,23 @@ mod x86 {
     fn say(text: &str) {
         // Where standard error is closed, the exit code still tells.
         let _ = std::io::stderr().write_all(text.as_bytes());
+    }
+
+    pub(super) fn available() -> &'static str {
+        let has = |name| FEATURES.iter().any(|f| f.name == name && missing(f.mask, cpu(f.register)) == 0);
+        match (has("avx512f") && has("avx512vl"), has("avx2"), has("avx"), has("fma")) {
+            (true, _, _, true) => "AVX-512 + FMA",
+            (_, true, _, true) => "AVX2 + FMA",
+            (_, true, _, false) => "AVX2 without FMA",
+            (_, _, true, true) => "AVX + FMA",
+            (_, _, true, false) => "AVX without FMA",
+            _ => "SSE2 halves without FMA",
+        }
+    }
+
+    pub(super) fn saved() -> [bool; 2] {
+        let xcr0 = state_saved();
+        [xcr0 & 0x06 == 0x06, xcr0 & 0xe6 == 0xe6]
     }
 
     pub(super) fn needed() -> Vec<(&'static str, bool)> {

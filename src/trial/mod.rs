@@ -1,6 +1,21 @@
 //! Trials: back ends side by side on the same rays. Knows shapes and accelerators, neither scenes nor materials.
 
+pub mod agree;
+pub mod contender;
+#[cfg(feature = "embree")]
+pub mod embree;
+pub mod html;
+pub mod machine;
 pub mod random;
 pub mod rays;
+pub mod report;
+pub mod run;
+pub mod team;
+pub mod text;
+pub mod timing;
 
+pub use machine::Machine;
 pub use rays::{Picture, RayKind, RaySet, View};
+pub use report::Report;
+pub use run::{Outcome, Plan, Subject};
+pub use timing::Watch;

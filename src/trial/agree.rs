@@ -1,0 +1,244 @@
+//! Before anything is timed: do the contenders find the same?
+
+use std::cell::OnceCell;
+
+use super::contender::{Answers, Label};
+use super::rays::RaySet;
+use crate::accel::reference::{Fault, Reference, Verdict};
+use crate::geometry::{Geometry, Hit, Ray};
+
+/// Rays on which two contenders name different things that are judged, at most, evenly spread over all such rays.
+const JUDGED: usize = 1000;
+
+/// Rays on which they name the same thing at another `t` that are judged, at most: those with the largest difference.
+const JUDGED_T: usize = 100;
+
+/// The arbiter over some shapes, built when it is first needed.
+pub struct Judge<'a> {
+    geometry: &'a [Geometry],
+    reference: OnceCell<Reference>,
+}
+
+/// Answers that are wrong. Where that is for leaks alone, which lie below what `f32` can tell by themselves and are wrong
+/// only since the surface goes on all around, they are Embree's known manner, and noted; the native path has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Whose answer.
+    pub label: Label,
+    /// Of which kind of rays.
+    pub rays: &'static str,
+    /// How many of the answers that were judged are wrong.
+    pub wrong: usize,
+    /// How many were judged: differing ones only.
+    pub judged: usize,
+    /// How many differ from those of the first contender.
+    pub differ: usize,
+    /// The first one, leaks last: what is wrong.
+    pub fault: Fault,
+    /// The first one: place in the set.
+    pub ray: usize,
+}
+
+impl Finding {
+    /// Whether figures mean nothing beside it.
+    #[must_use]
+    pub fn refuses(&self) -> bool {
+        self.fault != Fault::Leak || self.label.backend == "native"
+    }
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let Self { label, rays, wrong, judged, differ, fault, ray } = self;
+        write!(
+            f,
+            "{label}, {rays} rays: {differ} answers differ in some bit from the native path's; of the {judged} judged \
+             {wrong} are wrong beyond what f32 cannot decide, ray {ray} for one ({fault:?})"
+        )
+    }
+}
+
+/// One difference between two contenders.
+struct Difference {
+    ray: usize,
+    /// Of `t`, relative; infinite where they name different things.
+    size: f32,
+}
+
+impl<'a> Judge<'a> {
+    /// For rays at `geometry`.
+    #[must_use]
+    pub fn new(geometry: &'a [Geometry]) -> Self {
+        Self { geometry, reference: OnceCell::new() }
+    }
+
+    /// Compares what two contenders found. Where they differ, the arbiter judges both; the result is who is wrong.
+    #[must_use]
+    pub fn compare(&self, set: &RaySet, a: (Label, &Answers), b: (Label, &Answers)) -> Vec<Finding> {
+        let all = differences(set, a.1, b.1);
+        let (others, same): (Vec<_>, Vec<_>) = all.into_iter().partition(|d| d.size.is_infinite());
+        let step = others.len().div_ceil(JUDGED).max(1);
+        let mut judged: Vec<usize> = others.iter().step_by(step).map(|d| d.ray).collect();
+        let mut same = same;
+        same.sort_by(|x, y| y.size.total_cmp(&x.size).then(x.ray.cmp(&y.ray)));
+        judged.extend(same.iter().take(JUDGED_T).map(|d| d.ray));
+        let verdicts = |(label, answers): (Label, &Answers)| {
+            let faults: Vec<(usize, Fault)> = judged
+                .iter()
+                .filter_map(|&ray| match self.verdict(set, ray, answers) {
+                    Verdict::Wrong(fault) => Some((ray, fault)),
+                    _ => None,
+                })
+                .collect();
+            faults.iter().min_by_key(|(_, fault)| *fault == Fault::Leak).map(|&(ray, fault)| Finding {
+                label,
+                rays: set.kind.name(),
+                wrong: faults.len(),
+                judged: judged.len(),
+                differ: others.len() + same.len(),
+                fault,
+                ray,
+            })
+        };
+        [a, b].into_iter().filter_map(verdicts).collect()
+    }
+
+    fn verdict(&self, set: &RaySet, i: usize, answers: &Answers) -> Verdict {
+        let reference = self.reference.get_or_init(|| Reference::build(self.geometry));
+        let ray: Ray = set.rays[i / 8].lane(i % 8);
+        match answers {
+            Answers::Closest(hits) => reference.judge(&ray, &hits[i / 8].lane(i % 8)),
+            Answers::Blocked(blocked) => reference.judge_occluded(&ray, blocked[i / 8].lane(i % 8)),
+        }
+    }
+}
+
+/// Where two answers differ.
+fn differences(set: &RaySet, a: &Answers, b: &Answers) -> Vec<Difference> {
+    let size = |i: usize| match (a, b) {
+        (Answers::Closest(a), Answers::Closest(b)) => apart(&a[i / 8].lane(i % 8), &b[i / 8].lane(i % 8)),
+        (Answers::Blocked(a), Answers::Blocked(b)) if a[i / 8].lane(i % 8) == b[i / 8].lane(i % 8) => 0.0,
+        _ => f32::INFINITY,
+    };
+    (0..set.count).map(|ray| Difference { ray, size: size(ray) }).filter(|d| d.size > 0.0).collect()
+}
+
+/// How far apart two hits are: 0 where they are the same, infinite where they name different things.
+fn apart(a: &Hit, b: &Hit) -> f32 {
+    if a.id() != b.id() || a.is_hit() != b.is_hit() {
+        f32::INFINITY
+    } else if a.t == b.t {
+        0.0
+    } else {
+        let size = (a.t - b.t).abs() / a.t.abs().max(f32::MIN_POSITIVE);
+        if size.is_nan() { f32::INFINITY } else { size }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::contender::native;
+    use super::super::rays::{Picture, RayKind, View, all, bounds};
+    use super::super::team::Team;
+    use super::*;
+    use crate::accel::native::Native;
+    use crate::geometry::{GeometryMask, Shape, TriMesh};
+    use crate::simd::Mask8;
+    use glam::Vec3;
+
+    /// A grid of hills, 2 n^2 triangles.
+    fn hills(n: u32) -> Vec<Geometry> {
+        let point = |i: u32, k: u32| {
+            let (x, z) = (i as f32 / n as f32 * 4.0 - 2.0, k as f32 / n as f32 * 4.0 - 2.0);
+            Vec3::new(x, 0.3 * (3.0 * x).sin() * (4.0 * z).cos(), z)
+        };
+        let positions = (0..=n).flat_map(|k| (0..=n).map(move |i| point(i, k))).collect();
+        let at = |i: u32, k: u32| k * (n + 1) + i;
+        let quads = (0..n).flat_map(|k| (0..n).map(move |i| (i, k)));
+        let triangles = quads
+            .flat_map(|(i, k)| [[at(i, k), at(i, k + 1), at(i + 1, k)], [at(i + 1, k), at(i, k + 1), at(i + 1, k + 1)]])
+            .collect();
+        let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+        vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }]
+    }
+
+    const WRONG: Label = Label { backend: "native", mode: "wrong" };
+
+    /// The answers of the native path, and the same with a mistake put in by `spoil`.
+    fn spoiled(kind: RayKind, spoil: impl Fn(&mut Answers)) -> Vec<Finding> {
+        let geometry = hills(20);
+        let accel = Native::build(&geometry);
+        let sets = all(&accel, &geometry, &View::of(&bounds(&geometry)), &Picture { edge: 64, one_in: 1 });
+        let set = sets.iter().find(|s| s.kind == kind).unwrap();
+        let mut auto = native(&accel).swap_remove(0);
+        auto.prepare(set);
+        auto.trace(set, &Team::new(1).unwrap());
+        let right = auto.answers(set);
+        let mut wrong = right.clone();
+        spoil(&mut wrong);
+        Judge::new(&geometry).compare(set, (auto.label(), &right), (WRONG, &wrong))
+    }
+
+    fn hits(answers: &mut Answers) -> &mut [Hit8] {
+        match answers {
+            Answers::Closest(hits) => hits,
+            Answers::Blocked(_) => panic!("asked for the nearest hits"),
+        }
+    }
+
+    use crate::geometry::Hit8;
+
+    #[test]
+    fn equal_answers_are_not_refused() {
+        assert_eq!(spoiled(RayKind::Primary, |_| {}), []);
+        assert_eq!(spoiled(RayKind::Shadow, |_| {}), []);
+    }
+
+    #[test]
+    fn one_hit_left_out_among_thousands_is_found_and_is_its_own_fault() {
+        let refusals = spoiled(RayKind::Primary, |answers| {
+            let packet = hits(answers).iter_mut().find(|h| (0..8).all(|i| h.lane(i).is_hit())).unwrap();
+            packet.set_lane(3, &Hit::MISS);
+        });
+        assert_eq!(refusals.len(), 1);
+        let refusal = &refusals[0];
+        assert_eq!((refusal.label, refusal.wrong, refusal.judged, refusal.differ), (WRONG, 1, 1, 1));
+        assert_eq!((refusal.fault, refusal.ray % 8), (Fault::MissedHit, 3));
+        assert!(refusal.to_string().contains("native wrong, primary rays: 1 answers differ"), "{refusal}");
+    }
+
+    #[test]
+    fn a_wrong_t_and_a_wrong_triangle_are_found() {
+        let first = |answers: &mut Answers, change: &dyn Fn(&mut Hit)| {
+            let packet = hits(answers).iter_mut().find(|h| h.lane(0).is_hit()).unwrap();
+            let mut hit = packet.lane(0);
+            change(&mut hit);
+            packet.set_lane(0, &hit);
+        };
+        let off = spoiled(RayKind::Mirror, |a| first(a, &|hit| hit.t *= 1.001));
+        assert_eq!(off[0].fault, Fault::TOutOfBounds);
+        let other = spoiled(RayKind::Diffuse, |a| first(a, &|hit| hit.primitive ^= 256));
+        assert_eq!(other[0].fault, Fault::FalseHit);
+    }
+
+    #[test]
+    fn only_embree_may_leak() {
+        let finding = |backend, fault| {
+            let label = Label { backend, mode: "auto" };
+            Finding { label, rays: "primary", wrong: 1, judged: 1, differ: 1, fault, ray: 0 }.refuses()
+        };
+        assert!(finding("native", Fault::Leak) && finding("embree-fast", Fault::MissedHit));
+        assert!(!finding("embree-fast", Fault::Leak));
+    }
+
+    #[test]
+    fn a_shadow_that_is_none_is_found() {
+        let refusals = spoiled(RayKind::Shadow, |answers| match answers {
+            Answers::Blocked(blocked) => blocked.iter_mut().for_each(|b| *b = Mask8::from_bits(!b.bits())),
+            Answers::Closest(_) => panic!("asked for any hit"),
+        });
+        assert_eq!(refusals.len(), 1);
+        assert!(refusals[0].label == WRONG && refusals[0].wrong > refusals[0].judged / 2);
+        assert!(refusals[0].judged <= 1000 && refusals[0].differ > 500);
+    }
+}

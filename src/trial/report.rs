@@ -1,0 +1,182 @@
+//! What a trial came to, in the form that `--json` has.
+
+use serde::Serialize;
+
+use super::machine::Machine;
+
+/// Everything that was measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// What it ran on.
+    pub machine: Machine,
+    /// Rays a second.
+    pub rows: Vec<Row>,
+    /// Building.
+    pub builds: Vec<Build>,
+    /// Native against Embree.
+    pub ratios: Vec<Ratio>,
+}
+
+/// Rays a second of one contender.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Name of the mesh or scene.
+    pub mesh: String,
+    /// Triangles that can be hit.
+    pub triangles: usize,
+    /// Kind of rays.
+    pub rays: &'static str,
+    /// `native`, `embree-robust` or `embree-fast`.
+    pub backend: &'static str,
+    /// How it traced.
+    pub mode: &'static str,
+    /// Threads that traced.
+    pub threads: usize,
+    /// Millions of rays a second, median over the rounds.
+    pub mrays_per_s: f64,
+    /// Its 10th and 90th percentile.
+    pub spread: [f64; 2],
+}
+
+/// Building one hierarchy.
+#[derive(Clone, Debug, Serialize)]
+pub struct Build {
+    /// Name of the mesh or scene.
+    pub mesh: String,
+    /// `native`, `embree-robust` or `embree-fast`.
+    pub backend: &'static str,
+    /// How it was built: `sah` (native), `medium` (Embree's name).
+    pub quality: &'static str,
+    /// Threads that built.
+    pub threads: usize,
+    /// Milliseconds, median over the builds.
+    pub ms: f64,
+    /// Bytes held after the build, for each triangle or sphere.
+    pub bytes_per_triangle: f64,
+}
+
+/// The native path, as renders use it, against the best mode of Embree.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ratio {
+    /// Name of the mesh or scene.
+    pub mesh: String,
+    /// Kind of rays.
+    pub rays: &'static str,
+    /// Threads that traced.
+    pub threads: usize,
+    /// `embree-robust` or `embree-fast`.
+    pub against: &'static str,
+    /// The mode of Embree with the highest median.
+    pub embree_mode: &'static str,
+    /// Native rays a second over Embree's, median of the rounds' ratios: above 1 native is faster.
+    pub ratio: f64,
+    /// Its 10th and 90th percentile.
+    pub spread: [f64; 2],
+}
+
+impl Report {
+    /// Names of the meshes, in order.
+    #[must_use]
+    pub fn meshes(&self) -> Vec<&str> {
+        distinct(self.builds.iter().map(|b| b.mesh.as_str()))
+    }
+
+    /// Names of the back ends, in order.
+    #[must_use]
+    pub fn backends(&self) -> Vec<&'static str> {
+        distinct(self.rows.iter().map(|r| r.backend))
+    }
+
+    /// Numbers of threads, in order.
+    #[must_use]
+    pub fn threads(&self) -> Vec<usize> {
+        distinct(self.builds.iter().map(|b| b.threads))
+    }
+
+    /// Kinds of rays, in order.
+    #[must_use]
+    pub fn kinds(&self) -> Vec<&'static str> {
+        distinct(self.rows.iter().map(|r| r.rays))
+    }
+
+    /// The rows of one mesh, kind and number of threads.
+    pub fn rows_of<'a>(&'a self, mesh: &'a str, rays: &'a str, threads: usize) -> impl Iterator<Item = &'a Row> {
+        self.rows.iter().filter(move |r| r.mesh == mesh && r.rays == rays && r.threads == threads)
+    }
+
+    /// The ratios of one mesh, kind and number of threads.
+    pub fn ratios_of<'a>(&'a self, mesh: &'a str, rays: &'a str, threads: usize) -> impl Iterator<Item = &'a Ratio> {
+        self.ratios.iter().filter(move |r| r.mesh == mesh && r.rays == rays && r.threads == threads)
+    }
+
+    /// Triangles of a mesh.
+    #[must_use]
+    pub fn triangles(&self, mesh: &str) -> usize {
+        self.rows.iter().find(|r| r.mesh == mesh).map_or(0, |r| r.triangles)
+    }
+}
+
+/// Each item once, in the order of first sight.
+fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+    let mut seen = Vec::new();
+    for item in items {
+        if !seen.contains(&item) {
+            seen.push(item);
+        }
+    }
+    seen
+}
+
+/// A report made by hand, for tests of how it is shown.
+#[cfg(test)]
+pub(super) fn example() -> Report {
+    use super::machine::{Embree, Machine};
+
+    let embree = Embree {
+        version: "4.4.0".into(),
+        isa: "AVX-512",
+        tasking: "TBB",
+        file: "libembree4.so.4".into(),
+        found_by: "system",
+    };
+    let mesh = || String::from("a<b");
+    let row = |rays, backend, mode, mrays_per_s| Row {
+        mesh: mesh(),
+        triangles: 69_630,
+        rays,
+        backend,
+        mode,
+        threads: 1,
+        mrays_per_s,
+        spread: [mrays_per_s * 0.9, mrays_per_s * 1.1],
+    };
+    let build =
+        |backend, quality, ms| Build { mesh: mesh(), backend, quality, threads: 1, ms, bytes_per_triangle: 64.25 };
+    let ratio = |rays, against, ratio| Ratio {
+        mesh: mesh(),
+        rays,
+        threads: 1,
+        against,
+        embree_mode: "16c",
+        ratio,
+        spread: [ratio - 0.05, ratio + 0.05],
+    };
+    Report {
+        machine: Machine { cpu: "A CPU".into(), processors: 2, simd: "AVX2 + FMA", vitrum: "0", embree: Some(embree) },
+        rows: vec![
+            row("primary", "native", "auto", 20.0),
+            row("primary", "native", "single", 8.0),
+            row("primary", "embree-robust", "auto", 15.0),
+            row("primary", "embree-robust", "16c", 16.0),
+            row("primary", "embree-fast", "16c", 25.0),
+            row("diffuse", "native", "auto", 4.0),
+            row("diffuse", "embree-robust", "16c", 5.0),
+        ],
+        builds: vec![build("native", "sah", 50.0), build("embree-robust", "medium", 40.0)],
+        ratios: vec![
+            ratio("primary", "embree-robust", 1.25),
+            ratio("primary", "embree-fast", 0.8),
+            ratio("diffuse", "embree-robust", 0.8),
+        ],
+    }
+}

@@ -1,0 +1,256 @@
+//! A whole trial: build, check that all find the same, time.
+
+use super::agree::{Finding, Judge};
+use super::contender::{self, Answers, Contender};
+use super::machine::Machine;
+use super::rays::{self, Picture, RayKind, RaySet, View};
+use super::report::{Build, Ratio, Report, Row};
+use super::team::Team;
+use super::timing::{self, Figure, Watch};
+use crate::Result;
+use crate::accel::native::Native;
+use crate::accel::{BuildStats, Intersector};
+use crate::geometry::{Geometry, Shape};
+
+/// What rays are shot at.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Its name in reports.
+    pub name: String,
+    /// Shapes. Infinite planes are left out: no hierarchy holds them.
+    pub geometry: Vec<Geometry>,
+    /// From where it is seen; none to fit a view to it.
+    pub view: Option<View>,
+}
+
+impl Subject {
+    /// A subject without the infinite planes of `geometry`.
+    #[must_use]
+    pub fn new(name: &str, mut geometry: Vec<Geometry>, view: Option<View>) -> Self {
+        geometry.retain(|g| !matches!(g.shape, Shape::Plane(_)));
+        Self { name: name.to_owned(), geometry, view }
+    }
+}
+
+/// What is to be measured.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Pixels that the rays start from.
+    pub picture: Picture,
+    /// Kinds of rays.
+    pub kinds: Vec<RayKind>,
+    /// Numbers of threads, one after the other.
+    pub threads: Vec<usize>,
+    /// How often each contender runs; at least 1.
+    pub rounds: usize,
+    /// How often each hierarchy is built; at least 1.
+    pub builds: usize,
+}
+
+impl Plan {
+    /// Runs in all, for each subject, as [`Watch::done`] counts them.
+    #[must_use]
+    pub fn steps(&self, embree: bool) -> u64 {
+        let (scenes, contenders) = if embree { (3, 15) } else { (1, 3) };
+        let a_kind = contenders * (self.rounds + 1);
+        (self.threads.len() * (scenes * self.builds + self.kinds.len() * a_kind)) as u64
+    }
+}
+
+/// How a trial ended.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// With figures, and what was noted of leaks.
+    Measured(Box<Report>, Vec<Finding>),
+    /// With contenders that do not find the same, so that no figure would mean anything.
+    Refused(Vec<Finding>),
+}
+
+/// Measures all `subjects`. Embree takes part where `machine` has it.
+///
+/// # Errors
+/// `Interrupted`; a limit, where threads or memory run out.
+pub fn run(subjects: &[Subject], plan: &Plan, machine: Machine, watch: &Watch) -> Result<Outcome> {
+    let embree = machine.embree.is_some();
+    let mut report = Report { machine, rows: Vec::new(), builds: Vec::new(), ratios: Vec::new() };
+    let mut noted = Vec::new();
+    for subject in subjects {
+        let built = build(subject, plan, embree, watch, &mut report)?;
+        let findings = measure(subject, &built, plan, watch, &mut report)?;
+        if findings.iter().any(Finding::refuses) {
+            return Ok(Outcome::Refused(findings));
+        }
+        noted.extend(findings);
+    }
+    Ok(Outcome::Measured(Box::new(report), noted))
+}
+
+/// The hierarchies over some shapes.
+pub struct Built {
+    /// Our own.
+    pub native: Native,
+    #[cfg(feature = "embree")]
+    embree: Vec<(&'static str, crate::accel::embree::Embree)>,
+}
+
+impl Built {
+    /// Builds with the threads of `team`, Embree's only where asked for and built in.
+    ///
+    /// # Errors
+    /// A limit, where Embree is not found or memory runs out.
+    pub fn new(geometry: &[Geometry], team: &Team, embree: bool) -> Result<Self> {
+        let native = team.install(|| Native::build(geometry));
+        #[cfg(not(feature = "embree"))]
+        let _ = embree;
+        Ok(Self {
+            native,
+            #[cfg(feature = "embree")]
+            embree: super::embree::MODES
+                .into_iter()
+                .filter(|_| embree)
+                .map(|(name, mode)| {
+                    let built = team.install(|| super::embree::build(geometry, mode, team.threads()))?;
+                    Ok((name, built))
+                })
+                .collect::<Result<_>>()?,
+        })
+    }
+
+    /// Everyone who takes part, [`Native`] as renders use it first.
+    #[must_use]
+    pub fn contenders(&self) -> Vec<Box<dyn Contender + '_>> {
+        let native = contender::native(&self.native).into_iter();
+        #[cfg(feature = "embree")]
+        let native = native.chain(self.embree.iter().flat_map(|(name, scene)| super::embree::contenders(name, scene)));
+        native.collect()
+    }
+
+    /// Back end, quality and what was built.
+    fn stats(&self) -> Vec<(&'static str, &'static str, BuildStats)> {
+        let native = std::iter::once(("native", "sah", self.native.build_stats()));
+        #[cfg(feature = "embree")]
+        let native = native.chain(self.embree.iter().map(|(name, scene)| (*name, "medium", scene.build_stats())));
+        native.collect()
+    }
+}
+
+/// Builds everything as often as planned, by turns; keeps the last.
+fn build(subject: &Subject, plan: &Plan, embree: bool, watch: &Watch, report: &mut Report) -> Result<Built> {
+    let mut last: Option<Built> = None;
+    for &threads in &plan.threads {
+        let team = Team::new(threads)?;
+        let mut ms: Vec<Vec<f64>> = Vec::new();
+        for _ in 0..plan.builds.max(1) {
+            // Two at a time would ask for twice the memory.
+            drop(last.take());
+            let built = Built::new(&subject.geometry, &team, embree)?;
+            let stats = built.stats();
+            ms.resize_with(stats.len(), Vec::new);
+            for (ms, (.., stats)) in ms.iter_mut().zip(stats) {
+                ms.push(stats.time.as_secs_f64() * 1e3);
+                watch.step()?;
+            }
+            last = Some(built);
+        }
+        let stats = last.iter().flat_map(Built::stats);
+        report.builds.extend(stats.zip(ms).map(|((backend, quality, stats), ms)| Build {
+            mesh: subject.name.clone(),
+            backend,
+            quality,
+            threads,
+            ms: Figure::of(ms).median,
+            bytes_per_triangle: stats.bytes as f64 / (stats.triangles + stats.spheres).max(1) as f64,
+        }));
+    }
+    match last {
+        Some(built) => Ok(built),
+        None => Built::new(&subject.geometry, &Team::new(1)?, embree),
+    }
+}
+
+/// Times one subject, where all contenders find the same.
+fn measure(subject: &Subject, built: &Built, plan: &Plan, watch: &Watch, report: &mut Report) -> Result<Vec<Finding>> {
+    let view = subject.view.unwrap_or_else(|| View::of(&rays::bounds(&subject.geometry)));
+    let sets = rays::all(&built.native, &subject.geometry, &view, &plan.picture);
+    let judge = Judge::new(&subject.geometry);
+    let triangles = built.native.build_stats().triangles;
+    let mut contenders = built.contenders();
+    let mut noted = Vec::new();
+    for set in sets.iter().filter(|s| plan.kinds.contains(&s.kind) && s.count > 0) {
+        for &threads in &plan.threads {
+            let team = Team::new(threads)?;
+            let findings = check(&mut contenders, set, &team, &judge, watch)?;
+            if findings.iter().any(Finding::refuses) {
+                return Ok(findings);
+            }
+            // The same rays leak by every number of threads.
+            noted.extend(findings.into_iter().filter(|_| threads == plan.threads[0]));
+            let seconds = timing::rounds(&mut contenders, set, &team, plan.rounds.max(1), watch)?;
+            let labels: Vec<_> = contenders.iter().map(|c| c.label()).collect();
+            let figures: Vec<Figure> = seconds.iter().map(|s| timing::millions(set.count, s)).collect();
+            for (label, figure) in labels.iter().zip(&figures) {
+                report.rows.push(Row {
+                    mesh: subject.name.clone(),
+                    triangles,
+                    rays: set.kind.name(),
+                    backend: label.backend,
+                    mode: label.mode,
+                    threads,
+                    mrays_per_s: figure.median,
+                    spread: figure.spread,
+                });
+            }
+            for against in ["embree-robust", "embree-fast"] {
+                let modes = (0..labels.len()).filter(|&i| labels[i].backend == against);
+                let Some(best) = modes.max_by(|&a, &b| figures[a].median.total_cmp(&figures[b].median)) else {
+                    continue;
+                };
+                let ratio = timing::ratio(&seconds[0], &seconds[best]);
+                report.ratios.push(Ratio {
+                    mesh: subject.name.clone(),
+                    rays: set.kind.name(),
+                    threads,
+                    against,
+                    embree_mode: labels[best].mode,
+                    ratio: ratio.median,
+                    spread: ratio.spread,
+                });
+            }
+        }
+    }
+    Ok(noted)
+}
+
+/// Lets everyone trace the set once; compares what they find with what the first one found. Each wrong thing is told
+/// once for each back end.
+///
+/// # Errors
+/// `Interrupted`.
+pub fn check(
+    contenders: &mut [Box<dyn Contender + '_>],
+    set: &RaySet,
+    team: &Team,
+    judge: &Judge,
+    watch: &Watch,
+) -> Result<Vec<Finding>> {
+    let mut first: Option<(_, Answers)> = None;
+    let mut findings: Vec<Finding> = Vec::new();
+    for contender in contenders {
+        contender.prepare(set);
+        contender.trace(set, team);
+        let (label, answers) = (contender.label(), contender.answers(set));
+        match &first {
+            None => first = Some((label, answers)),
+            Some((other, theirs)) => {
+                for new in judge.compare(set, (*other, theirs), (label, &answers)) {
+                    let told = |f: &Finding| f.label.backend == new.label.backend && f.ray == new.ray;
+                    if !findings.iter().any(told) {
+                        findings.push(new);
+                    }
+                }
+            }
+        }
+        watch.step()?;
+    }
+    Ok(findings)
+}

@@ -1,0 +1,135 @@
+//! The report as tables of at most 100 columns.
+
+use super::report::{Build, Report};
+
+/// All of it, line by line.
+#[must_use]
+pub fn tables(report: &Report) -> String {
+    let mut text = heading(report);
+    for mesh in report.meshes() {
+        text += &format!("\n{mesh}: {} triangles\n", report.triangles(mesh));
+        text += &builds(report, mesh);
+        for threads in report.threads() {
+            text += &format!("\n  Mrays/s, {}, median of the rounds\n", counted(threads));
+            for backend in report.backends() {
+                text += &rates(report, mesh, threads, backend);
+            }
+            text += &ratios(report, mesh, threads);
+        }
+    }
+    text
+}
+
+fn heading(report: &Report) -> String {
+    let machine = &report.machine;
+    let embree = match &machine.embree {
+        Some(e) => format!("Embree {} ({}, {} tasking)", e.version, e.isa, e.tasking),
+        None => String::from("WITHOUT EMBREE: it was left out"),
+    };
+    format!(
+        "{}, {} processors; Vitrum {} built for {}; {embree}\n",
+        machine.cpu, machine.processors, machine.vitrum, machine.simd
+    )
+}
+
+fn counted(threads: usize) -> String {
+    if threads == 1 { String::from("1 thread") } else { format!("{threads} threads") }
+}
+
+fn builds(report: &Report, mesh: &str) -> String {
+    let mut rows = vec![["build", "quality", "threads", "ms", "B/triangle"].map(String::from)];
+    let of = |b: &Build| {
+        let numbers = [b.threads.to_string(), format!("{:.1}", b.ms), format!("{:.1}", b.bytes_per_triangle)];
+        let [threads, ms, bytes] = numbers;
+        [b.backend.to_owned(), b.quality.to_owned(), threads, ms, bytes]
+    };
+    rows.extend(report.builds.iter().filter(|b| b.mesh == mesh).map(of));
+    aligned(&rows.iter().map(|r| r.to_vec()).collect::<Vec<_>>())
+}
+
+/// Kinds of rays down, modes of one back end across.
+fn rates(report: &Report, mesh: &str, threads: usize, backend: &str) -> String {
+    let mut modes: Vec<&str> = Vec::new();
+    for row in report.rows.iter().filter(|r| r.backend == backend) {
+        if !modes.contains(&row.mode) {
+            modes.push(row.mode);
+        }
+    }
+    let mut rows = vec![std::iter::once(backend).chain(modes.iter().copied()).map(String::from).collect::<Vec<_>>()];
+    for kind in report.kinds() {
+        let cell = |mode: &&str| {
+            let row = report.rows_of(mesh, kind, threads).find(|r| r.backend == backend && r.mode == *mode);
+            row.map_or_else(|| String::from("-"), |r| format!("{:.2}", r.mrays_per_s))
+        };
+        rows.push(std::iter::once(kind.to_owned()).chain(modes.iter().map(cell)).collect());
+    }
+    aligned(&rows)
+}
+
+/// Native auto against the best of Embree.
+fn ratios(report: &Report, mesh: &str, threads: usize) -> String {
+    let head = ["native / best", "embree-robust", "mode", "10..90 %", "embree-fast", "mode", "10..90 %"];
+    let mut rows = vec![head.map(String::from).to_vec()];
+    for kind in report.kinds() {
+        let mut row = vec![kind.to_owned()];
+        for against in ["embree-robust", "embree-fast"] {
+            match report.ratios_of(mesh, kind, threads).find(|r| r.against == against) {
+                Some(r) => row.extend([
+                    format!("{:.2}", r.ratio),
+                    r.embree_mode.to_owned(),
+                    format!("{:.2}..{:.2}", r.spread[0], r.spread[1]),
+                ]),
+                None => row.extend(["-", "-", "-"].map(String::from)),
+            }
+        }
+        rows.push(row);
+    }
+    if report.ratios.is_empty() { String::new() } else { format!("\n{}", aligned(&rows)) }
+}
+
+/// Rows with their columns below each other, the first to the left, all others to the right.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let mut text = String::from(" ");
+        for (c, cell) in row.iter().enumerate() {
+            let width = widths[c];
+            text += &if c == 0 { format!(" {cell:<width$}") } else { format!("  {cell:>width$}") };
+        }
+        text.trim_end().to_owned() + "\n"
+    };
+    rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::report::example;
+    use super::*;
+
+    #[test]
+    fn the_tables_have_every_figure_and_fit_a_terminal() {
+        let text = tables(&example());
+        for words in [
+            "a<b: 69630 triangles",
+            "  embree-robust   medium        1  40.0        64.2\n",
+            "  native    auto  single\n  primary  20.00    8.00",
+            "  embree-robust   auto    16c\n  primary        15.00  16.00",
+            "Mrays/s, 1 thread,",
+            "1.25   16c  1.20..1.30",
+        ] {
+            assert!(text.contains(words), "{words} in\n{text}");
+        }
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    }
+
+    #[test]
+    fn a_report_without_embree_says_so_loudly_and_has_no_ratios() {
+        let mut report = example();
+        report.machine.embree = None;
+        report.ratios.clear();
+        let text = tables(&report);
+        assert!(text.contains("WITHOUT EMBREE") && !text.contains("native / best"));
+    }
+}
