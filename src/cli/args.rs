@@ -30,6 +30,8 @@ pub(super) struct Cli {
 pub(super) enum Command {
     Render(RenderArgs),
     Compare(CompareArgs),
+    Bench(BenchArgs),
+    Doctor(DoctorArgs),
 }
 
 /// Render a scene file or an OBJ model to a picture.
@@ -156,6 +158,89 @@ pub(super) struct CompareArgs {
     /// Print nothing but errors; the exit code tells
     #[arg(short, long, conflicts_with = "json")]
     pub quiet: bool,
+}
+
+/// Time the back ends against each other on the same rays.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum bench bunny.obj dragon.obj
+  vitrum bench scenes/glass.toml --threads 1 --rounds 21
+  vitrum bench bunny.obj --rays primary,shadow --html bunny.html
+  vitrum bench bunny.obj --json > bunny.json
+
+Every contender traces the same rays, made beforehand; they take turns, and the
+figure is the median over the rounds. Contenders that do not find the same hits
+are not timed: the program says which rays differ and exits 1. Infinite planes
+are left out. A quiet machine gives narrow spreads.")]
+pub(super) struct BenchArgs {
+    /// Scenes (.toml) or models (.obj)
+    #[arg(required = true, value_name = "SCENE|MESH")]
+    pub scenes: Vec<PathBuf>,
+
+    /// Threads that trace and build [default: 1, then one a processor]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+
+    /// How often each contender runs
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=10_000), default_value_t = 11)]
+    pub rounds: u32,
+
+    /// How often each hierarchy is built
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 3)]
+    pub builds: u32,
+
+    /// Kinds of rays [default: all]
+    #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',')]
+    pub rays: Vec<RaysArg>,
+
+    /// Edge of the picture that the rays start from, in pixels; a multiple of 8
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(8..=8192), default_value_t = 1024)]
+    pub size: u32,
+
+    /// Take one 8 x 8 tile of the picture in N
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65536), default_value_t = 4)]
+    pub one_in: u32,
+
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Page with bars to write
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+
+    /// No progress bar, no warnings and no table
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Say what this machine and this build can do, and what is missing.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum doctor
+  vitrum doctor --json
+
+Exits 4 when this binary cannot run here.")]
+pub(super) struct DoctorArgs {
+    /// Print the findings as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum RaysArg {
+    /// From the eye
+    Primary,
+    /// To a point light, any hit
+    Shadow,
+    /// Reflected
+    Mirror,
+    /// Into glass and out of it
+    Refracted,
+    /// Into the hemisphere by cosine
+    Diffuse,
+    /// The same, any hit nearby
+    DiffuseAny,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

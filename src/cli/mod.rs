@@ -2,7 +2,9 @@
 
 mod args;
 mod backend;
+mod bench;
 mod compare;
+mod doctor;
 mod interrupt;
 mod metadata;
 mod options;
@@ -54,5 +56,7 @@ fn run(cli: Cli) -> Result<Verdict> {
     match cli.command {
         Command::Render(args) => render::run(options::Render::try_from(args)?),
         Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
+        Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
+        Command::Doctor(args) => doctor::run(args.json),
     }
 }

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::{BitsArg, CompareArgs, FresnelArg, RenderArgs, ShadowsArg};
+use super::args::{BenchArgs, BitsArg, CompareArgs, FresnelArg, RaysArg, RenderArgs, ShadowsArg};
 use super::backend::Backend;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::FresnelModel;
 use crate::scene::{Settings, ShadowRule};
+use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
@@ -179,6 +180,65 @@ impl TryFrom<CompareArgs> for Compare {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+/// A trial of the back ends.
+#[derive(Debug)]
+pub(super) struct Bench {
+    pub scenes: Vec<PathBuf>,
+    pub plan: Plan,
+    pub json: bool,
+    /// Page to write.
+    pub html: Option<Destination>,
+    pub quiet: bool,
+}
+
+impl TryFrom<BenchArgs> for Bench {
+    type Error = Error;
+
+    fn try_from(args: BenchArgs) -> Result<Self> {
+        if !args.size.is_multiple_of(8) {
+            return Err(Error::Usage(format!("--size {}: not a multiple of 8, the edge of a tile", args.size)));
+        }
+        let html = match args.html {
+            None => None,
+            Some(name) => {
+                refuse_input("--html", &name, args.scenes.iter().map(PathBuf::as_path))?;
+                Some(Destination::new(&name)?)
+            }
+        };
+        let all = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = match args.threads {
+            Some(n) => vec![n as usize],
+            None if all == 1 => vec![1],
+            None => vec![1, all],
+        };
+        let asked = |kind: &RayKind| args.rays.is_empty() || args.rays.iter().any(|&r| kind_of(r) == *kind);
+        Ok(Self {
+            plan: Plan {
+                picture: Picture { edge: args.size, one_in: args.one_in },
+                kinds: RayKind::ALL.into_iter().filter(asked).collect(),
+                threads,
+                rounds: args.rounds as usize,
+                builds: args.builds as usize,
+            },
+            scenes: args.scenes,
+            json: args.json,
+            html,
+            quiet: args.quiet,
+        })
+    }
+}
+
+fn kind_of(arg: RaysArg) -> RayKind {
+    match arg {
+        RaysArg::Primary => RayKind::Primary,
+        RaysArg::Shadow => RayKind::Shadow,
+        RaysArg::Mirror => RayKind::Mirror,
+        RaysArg::Refracted => RayKind::Refracted,
+        RaysArg::Diffuse => RayKind::Diffuse,
+        RaysArg::DiffuseAny => RayKind::DiffuseAny,
     }
 }
 

@@ -1,0 +1,116 @@
+//! `vitrum doctor`.
+
+use super::{Verdict, output};
+use crate::simd::level;
+use crate::trial::machine::{self, Embree};
+use crate::{Error, Result};
+
+/// What this machine and this build can do. Its JSON form is this, with the same names.
+#[derive(serde::Serialize)]
+struct Findings {
+    vitrum: &'static str,
+    cpu: String,
+    /// Processors that this process may use.
+    processors: usize,
+    simd: Simd,
+    /// The back ends that are there.
+    backends: Vec<&'static str>,
+    /// None where it was not found or not built in.
+    embree: Option<Embree>,
+    /// What could be better, and the cure.
+    missing: Vec<String>,
+}
+
+#[derive(serde::Serialize)]
+struct Simd {
+    built: &'static str,
+    available: &'static str,
+    /// Whether the system saves 256-bit registers.
+    saves_ymm: bool,
+    /// Whether the system saves 512-bit registers.
+    saves_zmm: bool,
+    /// Features this binary needs that are not there; then it cannot run.
+    lacking: Vec<&'static str>,
+}
+
+/// Looks, and tells.
+///
+/// # Errors
+/// A limit, where this binary cannot run here. (The program ends before it comes here where it can tell that early.)
+pub(super) fn run(json: bool) -> Result<Verdict> {
+    let findings = Findings::here();
+    if json {
+        output::print_json(&findings)?;
+    } else {
+        output::print(&findings.text())?;
+    }
+    if findings.simd.lacking.is_empty() {
+        return Ok(Verdict::Done);
+    }
+    Err(Error::Limit(format!("this binary needs {}, which this machine lacks", findings.simd.lacking.join(", "))))
+}
+
+impl Findings {
+    fn here() -> Self {
+        let [saves_ymm, saves_zmm] = level::saved();
+        let simd = Simd {
+            built: level::BUILT,
+            available: level::available(),
+            saves_ymm,
+            saves_zmm,
+            lacking: level::needed().into_iter().filter(|(_, there)| !there).map(|(name, _)| name).collect(),
+        };
+        let embree = machine::embree();
+        let mut missing = Vec::new();
+        if simd.built != simd.available {
+            missing.push(format!("built for {}, while this CPU has {}: {}", simd.built, simd.available, level::CURE));
+        }
+        if let Err(e) = &embree {
+            missing.push(e.to_string());
+        }
+        let embree = embree.ok();
+        let mut backends = vec!["native", "reference"];
+        backends.extend(embree.is_some().then_some("embree"));
+        Self {
+            vitrum: env!("CARGO_PKG_VERSION"),
+            cpu: machine::cpu(),
+            processors: std::thread::available_parallelism().map_or(1, usize::from),
+            simd,
+            backends,
+            embree,
+            missing,
+        }
+    }
+
+    fn text(&self) -> String {
+        let saved = match (self.simd.saves_ymm, self.simd.saves_zmm) {
+            (_, true) => "256-bit and 512-bit registers",
+            (true, false) => "256-bit registers",
+            (false, false) => "128-bit registers",
+        };
+        let embree = match &self.embree {
+            Some(e) => format!("{}, {}, {} tasking, {} ({})", e.version, e.isa, e.tasking, e.file, e.found_by),
+            None => String::from("not there"),
+        };
+        let mut text = String::new();
+        for (name, value) in [
+            ("vitrum", self.vitrum),
+            ("cpu", &self.cpu),
+            ("processors", &self.processors.to_string()),
+            ("simd built", self.simd.built),
+            ("simd available", self.simd.available),
+            ("system saves", saved),
+            ("back ends", &self.backends.join(", ")),
+            ("embree", &embree),
+        ] {
+            text += &format!("{name:<16}{value}\n");
+        }
+        if self.missing.is_empty() {
+            return text + "missing         nothing\n";
+        }
+        for missing in &self.missing {
+            text += &format!("missing         {missing}\n");
+        }
+        text
+    }
+}
