@@ -1,46 +1,53 @@
-//! Rays a second by kind of ray and kernel.
+//! Rays a second by kind of ray, back end and mode: the rays and the contenders of `vitrum bench`, timed by criterion.
+//!
+//! Ratios are best taken from `vitrum bench`, whose contenders take turns; this one compares a contender with itself
+//! as of an earlier run.
 
 mod support;
 
-use std::hint::black_box;
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use support::RaySet;
-use vitrum::accel::Intersector;
-use vitrum::accel::native::{Kernel, Native, Scratch};
-use vitrum::geometry::Hit8;
-use vitrum::simd::Mask8;
+use vitrum::trial::agree::{Finding, Judge};
+use vitrum::trial::run::{Built, check};
+use vitrum::trial::team::Team;
+use vitrum::trial::{Picture, View, Watch, machine, rays};
 
-fn trace(native: &Native, kernel: Kernel, set: &RaySet, hits: &mut [Hit8], blocked: &mut [Mask8], stack: &mut Scratch) {
-    if set.any_hit {
-        native.occluded_with(kernel, black_box(&set.rays), blocked, set.coherence, stack);
-    } else {
-        native.closest_with(kernel, black_box(&set.rays), hits, set.coherence, stack);
-    }
-}
+/// 65,536 camera rays.
+const PICTURE: Picture = Picture { edge: 1024, one_in: 16 };
 
 fn traversal(c: &mut Criterion) {
+    let embree = machine::embree();
+    if let Err(e) = &embree {
+        eprintln!("EMBREE IS LEFT OUT: {e}");
+    }
+    let team = Team::new(1).expect("a thread can be started");
+    let (done, stop) = (AtomicU64::new(0), AtomicBool::new(false));
     for model in support::models() {
-        let native = Native::build(&model.geometry);
-        let stats = native.build_stats();
-        eprintln!(
-            "{}: {} triangles, {:.1} B/triangle, {} nodes, {} leaves, depth {}",
-            model.name,
-            stats.triangles,
-            stats.bytes as f64 / stats.triangles as f64,
-            stats.nodes,
-            stats.leaves,
-            stats.depth
-        );
+        let built = Built::new(&model.geometry, &team, embree.is_ok()).expect("what was found can be built with");
+        let sets = rays::all(&built.native, &model.geometry, &View::of(&rays::bounds(&model.geometry)), &PICTURE);
+        let judge = Judge::new(&model.geometry);
+        let mut contenders = built.contenders();
         let mut group = c.benchmark_group(&model.name);
-        for set in support::ray_sets(&model, &native) {
-            let mut hits = vec![Hit8::default(); set.rays.len()];
-            let mut blocked = vec![Mask8::NONE; set.rays.len()];
-            let mut stack = Scratch::default();
-            group.throughput(Throughput::Elements(set.len() as u64));
-            for kernel in [Kernel::Single, Kernel::Packet] {
-                group.bench_function(format!("{}/{kernel:?}", set.name), |b| {
-                    b.iter(|| trace(&native, kernel, &set, &mut hits, &mut blocked, &mut stack));
+        for set in &sets {
+            let watch = Watch { done: &done, stop: &stop };
+            let findings = check(&mut contenders, set, &team, &judge, &watch).expect("nobody interrupts");
+            assert!(!findings.iter().any(Finding::refuses), "the contenders do not find the same: {findings:?}");
+            group.throughput(Throughput::Elements(set.count as u64));
+            for contender in &mut contenders {
+                let label = contender.label();
+                group.bench_function(format!("{}/{}/{}", set.kind.name(), label.backend, label.mode), |b| {
+                    b.iter_custom(|n| {
+                        let mut time = Duration::ZERO;
+                        for _ in 0..n {
+                            contender.prepare(set);
+                            let start = Instant::now();
+                            contender.trace(set, &team);
+                            time += start.elapsed();
+                        }
+                        time
+                    });
                 });
             }
         }
@@ -50,7 +57,10 @@ fn traversal(c: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    config = Criterion::default().sample_size(10).warm_up_time(std::time::Duration::from_millis(200));
+    config = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_secs(1));
     targets = traversal
 }
 criterion_main!(benches);
