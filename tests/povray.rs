@@ -22,6 +22,9 @@ use vitrum::scene::Scene;
 /// Most that a channel of a pixel may differ, in radiance.
 const TOLERANCE: f64 = 5e-4;
 
+/// How far a camera ray is moved to see whether a pixel is well-conditioned, in ulps of 1.
+const ULPS: f64 = 8.0;
+
 /// A picture of the reference folder: linear radiance in rows from the top.
 struct Picture {
     width: u32,
@@ -85,7 +88,7 @@ fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, pre
         n * 1000 <= pixels,
         "{name}, {renderer} renderer: {n} of {pixels} pixels are beyond {TOLERANCE}: {beyond:?}"
     );
-    let is_edge = |x, y| prepared.is_ill_conditioned(f64::from(x) + 0.5, f64::from(y) + 0.5, TOLERANCE);
+    let is_edge = |x, y| prepared.ulps_until_moved(f64::from(x) + 0.5, f64::from(y) + 0.5, TOLERANCE, ULPS).is_some();
     beyond.retain(|&(x, y, ..)| !is_edge(x, y));
     assert!(
         beyond.is_empty(),

@@ -4,21 +4,23 @@ use std::f64::consts::FRAC_PI_4;
 
 use super::Prepared;
 
-/// How far a camera ray is moved, in ulps of 1.
-const ULPS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
-
 impl Prepared<'_> {
-    /// Whether the radiance at a point of the film moves by more than `tolerance` in any channel when the camera ray
-    /// through it moves by a few ulps of `f32`: its direction by up to 8 of them, or its origin by as many of the
-    /// eye's largest coordinate, to eight sides. So it is along edges and on paths that magnify roundings, and no
-    /// renderer in `f32` can be held to a value there. The point is as in [`Prepared::camera_ray`].
+    /// By how little the camera ray has to move for the radiance at a point of the film to move by more than
+    /// `tolerance` in any channel: the first of 1, 2, 4, ... ulps of `f32`, up to `most`, at which it does; none where
+    /// it does not. The ray moves to eight sides, its direction by so many ulps of 1, or its origin by so many of the
+    /// eye's largest coordinate. The point is as in [`Prepared::camera_ray`].
+    ///
+    /// What moves at a few ulps lies at an edge or magnifies roundings, and belongs to no single ray. A renderer in
+    /// `f32` makes such roundings anew at every surface, so that a path of many surfaces counts as moved by a few for
+    /// each.
     #[must_use]
-    pub fn is_ill_conditioned(&self, x: f64, y: f64, tolerance: f64) -> bool {
+    pub fn ulps_until_moved(&self, x: f64, y: f64, tolerance: f64, most: f64) -> Option<f64> {
         let (origin, dir) = self.camera_ray(x, y);
         let here = self.radiance_along(origin, dir);
         let (right, up) = dir.any_orthonormal_pair();
         let reach = self.scene.camera.eye.as_dvec3().abs().max_element();
-        ULPS.iter().any(|ulps| {
+        let steps = std::iter::successors(Some(1.0), |ulps| Some(ulps * 2.0)).take_while(|&ulps| ulps <= most);
+        steps.into_iter().find(|ulps| {
             (0..8).any(|turn| {
                 let (sin, cos) = (f64::from(turn) * FRAC_PI_4).sin_cos();
                 let step = (right * cos + up * sin) * (ulps * f64::from(f32::EPSILON));
