@@ -6,6 +6,7 @@ pub mod contender;
 pub mod embree;
 pub mod html;
 pub mod machine;
+pub mod parity;
 pub mod random;
 pub mod rays;
 pub mod report;
