@@ -77,16 +77,23 @@ pub(super) struct Traced {
     pub library: Option<String>,
 }
 
+/// Starts rayon's own threads, which build trees, once for the whole program.
+///
+/// # Errors
+/// A limit, where they cannot be started.
+pub(super) fn start_threads(options: &Options) -> Result<()> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(options.thread_count())
+        .build_global()
+        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.thread_count())))
+}
+
 /// Builds what `backend` needs and renders.
 ///
 /// # Errors
 /// `Interrupted`; a limit, where threads cannot be started or a library is missing.
 pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer: &Observer) -> Result<Traced> {
-    // Trees are built by rayon's own threads.
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(options.thread_count())
-        .build_global()
-        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.thread_count())))?;
+    start_threads(options)?;
     let start = Instant::now();
     match backend {
         Backend::Native => with(Native::build(&scene.geometry), start, scene, options, observer),

@@ -9,10 +9,12 @@ mod interrupt;
 mod metadata;
 mod options;
 mod output;
+mod parity;
 mod progress;
 mod render;
 mod summary;
 mod table;
+mod view;
 
 use std::process::ExitCode;
 
@@ -56,6 +58,7 @@ fn run(cli: Cli) -> Result<Verdict> {
     match cli.command {
         Command::Render(args) => render::run(options::Render::try_from(args)?),
         Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
+        Command::Parity(args) => parity::run(&options::Parity::from(args)),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }

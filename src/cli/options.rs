@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::{BenchArgs, BitsArg, CompareArgs, FresnelArg, RaysArg, RenderArgs, ShadowsArg};
+use super::args::{BenchArgs, BitsArg, CompareArgs, FresnelArg, ParityArgs, RaysArg, RenderArgs, ShadowsArg};
 use super::backend::Backend;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::FresnelModel;
@@ -67,14 +67,20 @@ impl Overrides {
         settings.max_depth = self.depth.unwrap_or(settings.max_depth);
         settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
         settings.shadows = self.shadows.unwrap_or(settings.shadows);
-        let (width, height) = (settings.width, settings.height);
-        if u64::from(width) * u64::from(height) > MOST_PIXELS {
-            return Err(Error::Limit(format!(
-                "a picture of {width} by {height} pixels is too large; at most {MOST_PIXELS} pixels are rendered"
-            )));
-        }
-        Ok(())
+        refuse_large(settings)
     }
+}
+
+/// # Errors
+/// A limit, where the picture is too large.
+fn refuse_large(settings: &Settings) -> Result<()> {
+    let (width, height) = (settings.width, settings.height);
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(Error::Limit(format!(
+            "a picture of {width} by {height} pixels is too large; at most {MOST_PIXELS} pixels are rendered"
+        )));
+    }
+    Ok(())
 }
 
 impl TryFrom<RenderArgs> for Render {
@@ -242,6 +248,61 @@ fn kind_of(arg: RaysArg) -> RayKind {
     }
 }
 
+/// Paths to be compared ray by ray.
+#[derive(Debug)]
+pub(super) struct Parity {
+    pub scene: PathBuf,
+    /// Rays of each kind.
+    pub rays: usize,
+    pub picture: SmallPicture,
+    /// 0 is one a processor.
+    pub threads: usize,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+/// The size of a picture that is traced in `f64`, too.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SmallPicture {
+    width: Option<u32>,
+    height: Option<u32>,
+}
+
+impl SmallPicture {
+    /// What it is at most where nothing else is asked for.
+    const MOST: [u32; 2] = [320, 240];
+
+    /// Makes the picture of `settings` as large as asked for, or else small, of the same shape as far as pixels allow.
+    ///
+    /// # Errors
+    /// A limit, where it is too large.
+    pub fn fit(self, settings: &mut Settings) -> Result<()> {
+        let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+        let scale = match (self.width, self.height) {
+            (Some(w), _) => f64::from(w) / width,
+            (None, Some(h)) => f64::from(h) / height,
+            (None, None) => (f64::from(Self::MOST[0]) / width).min(f64::from(Self::MOST[1]) / height).min(1.0),
+        };
+        let scaled = |x: f64| (x * scale).round().max(1.0) as u32;
+        settings.width = self.width.unwrap_or(scaled(width));
+        settings.height = self.height.unwrap_or(scaled(height));
+        refuse_large(settings)
+    }
+}
+
+impl From<ParityArgs> for Parity {
+    fn from(args: ParityArgs) -> Self {
+        Self {
+            scene: args.scene,
+            rays: args.rays as usize,
+            picture: SmallPicture { width: args.width, height: args.height },
+            threads: args.threads.unwrap_or(0) as usize,
+            json: args.json,
+            quiet: args.quiet,
+        }
+    }
+}
+
 /// The scene's name with `.png`, in the current folder.
 fn default_output(scene: &Path) -> Result<PathBuf> {
     match scene.file_stem() {
@@ -280,4 +341,27 @@ pub(super) fn refuse_input<'a>(flag: &str, output: &Path, inputs: impl IntoItera
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_to_be_traced_in_f64_is_small_and_keeps_its_shape_unless_told() {
+        let fit = |width, height, asked: (Option<u32>, Option<u32>)| {
+            let mut settings = Settings { width, height, ..Settings::default() };
+            SmallPicture { width: asked.0, height: asked.1 }
+                .fit(&mut settings)
+                .map(|()| (settings.width, settings.height))
+        };
+        assert_eq!(fit(1920, 1080, (None, None)).unwrap(), (320, 180));
+        assert_eq!(fit(100, 1000, (None, None)).unwrap(), (24, 240));
+        assert_eq!(fit(64, 48, (None, None)).unwrap(), (64, 48));
+        assert_eq!(fit(1_000_000, 1, (None, None)).unwrap(), (320, 1));
+        assert_eq!(fit(640, 480, (Some(1000), None)).unwrap(), (1000, 750));
+        assert_eq!(fit(640, 480, (None, Some(48))).unwrap(), (64, 48));
+        assert_eq!(fit(640, 480, (Some(7), Some(9))).unwrap(), (7, 9));
+        assert_eq!(fit(640, 480, (Some(65536), None)).unwrap_err().exit_code(), 4);
+    }
 }

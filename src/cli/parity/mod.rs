@@ -1,0 +1,69 @@
+//! `vitrum parity`.
+
+mod contenders;
+mod pixels;
+mod report;
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use super::options::Parity;
+use super::{Verdict, backend, interrupt, output, progress, view};
+use crate::accel::reference::Reference;
+use crate::load::{self, LoadOptions, Loaded};
+use crate::optics::FresnelModel;
+use crate::render::reference::Prepared;
+use crate::render::{self, Observer};
+use crate::trial::parity::{Records, Set, judge, sets};
+use crate::{Error, Result};
+use contenders::Contenders;
+use pixels::Pixels;
+use report::{Facts, Report};
+
+/// Loads, asks every contender, judges and reports. Negative where the native path is wrong anywhere.
+pub(super) fn run(job: &Parity) -> Result<Verdict> {
+    let observer = Arc::new(Observer::default());
+    interrupt::listen(&observer)?;
+    let Loaded { mut scene, .. } = load::scene(&job.scene, &LoadOptions::default())?;
+    job.picture.fit(&mut scene.settings)?;
+    // The middle of a pixel alone, so that its value belongs to one ray.
+    scene.settings.samples = 1;
+    let options = render::Options { threads: job.threads, ..render::Options::default() };
+    backend::start_threads(&options)?;
+
+    let reference = Reference::build(&scene.geometry);
+    let contenders = Contenders::build(&scene.geometry, options.thread_count());
+    let sets = sets(&reference, &scene.geometry, &view::of(&scene), job.rays);
+    let prepared = Prepared::new(&scene, FresnelModel::Exact);
+
+    let rays: usize = sets.iter().map(|set| set.rays.len()).sum();
+    let films = contenders.names().len() + 1;
+    let size = u64::from(scene.settings.width) * u64::from(scene.settings.height);
+    let (records, pixels) = progress::follow(&observer, rays as u64 + size * films as u64, !job.quiet, || {
+        interrupt::heeded(|| -> Result<(Vec<Vec<Records>>, Vec<Pixels>)> {
+            let records = sets.iter().map(|set| judged(&reference, &contenders, set, &observer));
+            let records = records.collect::<Result<_>>()?;
+            let truth = render::render(&scene, &reference, &options, &observer)?.film;
+            let films = contenders.films(&scene, &options, &observer)?;
+            Ok((records, pixels::compare(&prepared, &truth, &films, &observer)?))
+        })
+    })?;
+
+    let facts = Facts { job, scene: &scene, contenders: &contenders, sets: &sets, records: &records, pixels: &pixels };
+    let report = Report::of(&facts);
+    if job.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&(report.text() + "\n"))?;
+    }
+    Ok(if report.passed() { Verdict::Done } else { Verdict::Negative })
+}
+
+/// Every contender's answers to one set, judged.
+fn judged(reference: &Reference, contenders: &Contenders, set: &Set, observer: &Observer) -> Result<Vec<Records>> {
+    let answers = contenders.ask(set);
+    let done = |rays| {
+        observer.pixels_done.fetch_add(rays, Ordering::Relaxed);
+    };
+    judge(reference, &set.rays, &answers, &observer.stop, done).ok_or(Error::Interrupted)
+}

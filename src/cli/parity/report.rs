@@ -1,0 +1,420 @@
+//! What a parity run came to: one value, told as text or as JSON.
+
+use std::fmt::Write as _;
+
+use super::contenders::Contenders;
+use super::pixels::{Pixels, TOLERANCE, Worst};
+use crate::accel::reference::{Cause, Fault};
+use crate::cli::options::Parity;
+use crate::cli::table::{counted, grouped};
+use crate::scene::Scene;
+use crate::simd::level;
+use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fault_name};
+
+/// Everything a report is made from. `records` and `pixels` are in the order of the sets and the contenders.
+pub(super) struct Facts<'a> {
+    pub job: &'a Parity,
+    pub scene: &'a Scene,
+    pub contenders: &'a Contenders,
+    pub sets: &'a [Set],
+    pub records: &'a [Vec<Records>],
+    pub pixels: &'a [Pixels],
+}
+
+/// The report. Its JSON form is this, with the same names.
+#[derive(serde::Serialize)]
+pub(super) struct Report {
+    version: &'static str,
+    simd: &'static str,
+    scene: String,
+    triangles: u64,
+    spheres: u64,
+    planes: u64,
+    /// Rays asked for, of each kind.
+    rays: usize,
+    contenders: Vec<&'static str>,
+    left_out: Vec<LeftOut>,
+    rows: Vec<Row>,
+    pictures: Vec<Picture>,
+    /// A few wrong answers of each row.
+    examples: Vec<Example>,
+    /// Answers and pixels of the native path that are wrong.
+    native_wrong: u64,
+    passed: bool,
+}
+
+#[derive(serde::Serialize)]
+struct LeftOut {
+    contender: &'static str,
+    why: String,
+}
+
+/// One contender's answers to one query about one set.
+#[derive(serde::Serialize)]
+struct Row {
+    rays: &'static str,
+    query: Query,
+    contender: &'static str,
+    answers: u64,
+    agree: u64,
+    undecidable: Undecidable,
+    /// Hits at or beyond an end of the interval by no more than rounding; wrong where the contender is native.
+    beyond_end: u64,
+    wrong: Faults,
+    /// Largest distance from flipping among the undecidable ones, in parts of its bound.
+    largest_margin: f64,
+    differs_from_native: u64,
+    differs_undecidably: u64,
+    #[serde(skip)]
+    tally: Tally,
+}
+
+#[derive(serde::Serialize)]
+struct Undecidable {
+    edge: u64,
+    tie: u64,
+    interval: u64,
+    sliver: u64,
+}
+
+#[derive(serde::Serialize)]
+struct Faults {
+    missed_hit: u64,
+    false_hit: u64,
+    other_primitive: u64,
+    t_out_of_bounds: u64,
+    outside_interval: u64,
+    leak: u64,
+}
+
+/// One contender's picture.
+#[derive(serde::Serialize)]
+struct Picture {
+    contender: &'static str,
+    width: u32,
+    height: u32,
+    tolerance: f64,
+    differ: u64,
+    /// Excused: the `f64` value moves as much with the camera ray moved by a few ulps of `f32`.
+    edge: u64,
+    /// Excused: it does so with a few ulps for each level of the path.
+    deep: u64,
+    wrong: u64,
+    largest_within: f64,
+    differs_from_native: u64,
+    worst: Option<Worst>,
+}
+
+/// A wrong answer. Infinite numbers are null.
+#[derive(serde::Serialize)]
+struct Example {
+    rays: &'static str,
+    query: Query,
+    contender: &'static str,
+    fault: &'static str,
+    origin: [f32; 3],
+    dir: [f32; 3],
+    t_min: f32,
+    t_max: f32,
+    claim: Option<Met>,
+    truth: Option<Met>,
+}
+
+/// A hit; under [`Query::Occluded`] a claim is only that there is one.
+#[derive(serde::Serialize)]
+struct Met {
+    t: f64,
+    geometry: u32,
+    primitive: u32,
+}
+
+impl Report {
+    pub fn of(facts: &Facts) -> Self {
+        let Facts { job, scene, contenders, sets, records, pixels } = facts;
+        let (names, shapes) = (contenders.names(), scene.shape_counts());
+        let mut rows = Vec::new();
+        let mut examples = Vec::new();
+        for (set, records) in sets.iter().zip(*records) {
+            for (&contender, both) in names.iter().zip(records) {
+                for (query, record) in both.each() {
+                    rows.push(Row::of(set.name, query, contender, record));
+                    examples.extend(record.wrong.iter().map(|w| Example::of(set.name, query, contender, w)));
+                }
+            }
+        }
+        let pictures: Vec<Picture> = names
+            .iter()
+            .zip(*pixels)
+            .map(|(&contender, p)| Picture {
+                contender,
+                width: scene.settings.width,
+                height: scene.settings.height,
+                tolerance: TOLERANCE,
+                differ: p.differ,
+                edge: p.edge,
+                deep: p.deep,
+                wrong: p.wrong(),
+                largest_within: p.largest_within,
+                differs_from_native: p.differs_from_first,
+                worst: p.worst,
+            })
+            .collect();
+        let native = names[0];
+        let answers: u64 = rows.iter().filter(|r| r.contender == native).map(|r| r.tally.broken()).sum();
+        let native_wrong = answers + pictures.first().map_or(0, |p| p.wrong);
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            simd: level::BUILT,
+            scene: job.scene.display().to_string(),
+            triangles: shapes.triangles,
+            spheres: shapes.spheres,
+            planes: shapes.planes,
+            rays: job.rays,
+            contenders: names,
+            left_out: contenders.left_out.iter().map(|w| LeftOut { contender: "embree", why: w.clone() }).collect(),
+            rows,
+            pictures,
+            examples,
+            native_wrong,
+            passed: native_wrong == 0,
+        }
+    }
+
+    /// Whether the native path is nowhere wrong.
+    pub fn passed(&self) -> bool {
+        self.passed
+    }
+
+    /// As text of several lines of at most 80 columns (names of files apart), the last one unended.
+    pub fn text(&self) -> String {
+        let shapes = [(self.triangles, "triangle"), (self.spheres, "sphere"), (self.planes, "plane")];
+        let shapes: Vec<_> = shapes.iter().filter(|(n, _)| *n > 0).map(|(n, noun)| counted(*n, noun)).collect();
+        let mut s = format!("scene      {}: {}\n", self.scene, shapes.join(", "));
+        // A String takes whatever is written to it, here and below.
+        let _ = writeln!(s, "rays       up to {} of each kind, nearest hit and any hit", grouped(self.rays as u64));
+        for LeftOut { contender, why } in &self.left_out {
+            let _ = writeln!(s, "left out   {contender}: {why}");
+        }
+        self.answers(&mut s);
+        self.faults(&mut s);
+        self.pixels(&mut s);
+        for e in self.examples.iter().filter(|e| e.contender == self.contenders[0]) {
+            let _ = writeln!(s, "{}", e.text());
+        }
+        let verdict = if self.passed {
+            String::from("native is nowhere wrong")
+        } else {
+            format!("native is WRONG in {}", counted(self.native_wrong, "case"))
+        };
+        let _ = write!(s, "\nverdict    {verdict}");
+        s
+    }
+
+    /// Both queries of a kind in one line, and the sum of all kinds.
+    fn answers(&self, s: &mut String) {
+        let _ = writeln!(s, "\n{:31}undecidable, f32 cannot tell: ", "");
+        let _ = writeln!(
+            s,
+            "{:<11} {:<13} {:>9} {:>7} {:>5} {:>7} {:>7} {:>8}",
+            "rays", "contender", "answers", "edge", "tie", "end", "sliver", "wrong"
+        );
+        let mut line = |kind: &str, contender: &str, t: &Tally| {
+            let [edge, tie, interval, sliver] = t.undecidable;
+            let native = contender == self.contenders[0];
+            let (end, wrong) = if native { (interval, t.broken()) } else { (interval + t.beyond_end, t.all_wrong()) };
+            let figure = |n: u64| if n == 0 { String::from("-") } else { grouped(n) };
+            let (answers, wrong) = (grouped(t.answers), figure(wrong));
+            let [edge, tie, end, sliver] = [edge, tie, end, sliver].map(figure);
+            let _ = writeln!(
+                s,
+                "{kind:<11} {contender:<13} {answers:>9} {edge:>7} {tie:>5} {end:>7} {sliver:>7} {wrong:>8}"
+            );
+        };
+        let mut kinds: Vec<&str> = self.rows.iter().map(|r| r.rays).collect();
+        kinds.dedup();
+        for kind in kinds.into_iter().map(Some).chain([None]) {
+            for contender in &self.contenders {
+                let rows = self.rows.iter().filter(|r| r.contender == *contender && kind.is_none_or(|k| k == r.rays));
+                line(kind.unwrap_or("all"), contender, &sum(rows));
+            }
+        }
+    }
+
+    /// How each contender is wrong, and how it differs from native.
+    fn faults(&self, s: &mut String) {
+        s.push('\n');
+        for contender in &self.contenders {
+            let rows = || self.rows.iter().filter(|r| r.contender == *contender);
+            let total = sum(rows());
+            let mut parts: Vec<String> = FAULTS
+                .iter()
+                .zip(total.wrong)
+                .filter(|(_, n)| *n > 0)
+                .map(|(f, n)| format!("{} {}", grouped(n), fault_name(*f).replace('_', " ")))
+                .collect();
+            if total.beyond_end > 0 {
+                parts.push(format!("{} beyond an end by a rounding", grouped(total.beyond_end)));
+            }
+            let _ = match parts.len() {
+                0 => writeln!(s, "{contender:<13} none wrong"),
+                _ => writeln!(s, "{contender:<13} wrong: {}", parts.join(", ")),
+            };
+            let differs: u64 = rows().map(|r| r.differs_from_native).sum();
+            let excused: u64 = rows().map(|r| r.differs_undecidably).sum();
+            if *contender != self.contenders[0] {
+                let (differs, excused) = (counted(differs, "answer"), grouped(excused));
+                let _ = writeln!(s, "{:<13} differs from native in {differs}, {excused} undecidable", "");
+            }
+        }
+    }
+
+    fn pixels(&self, s: &mut String) {
+        let Some(first) = self.pictures.first() else { return };
+        let (width, height) = (first.width, first.height);
+        let _ =
+            writeln!(s, "\npicture    {width} x {height}, against the same shading over f64 hits, to {TOLERANCE:.0e}");
+        let _ = writeln!(
+            s,
+            "{:<13} {:>8} {:>8} {:>8} {:>8} {:>14} {:>15}",
+            "contender", "differ", "edge", "deep", "wrong", "others within", "from native"
+        );
+        for p in &self.pictures {
+            let _ = writeln!(
+                s,
+                "{:<13} {:>8} {:>8} {:>8} {:>8} {:>14.1e} {:>15}",
+                p.contender,
+                grouped(p.differ),
+                grouped(p.edge),
+                grouped(p.deep),
+                grouped(p.wrong),
+                p.largest_within,
+                grouped(p.differs_from_native)
+            );
+        }
+        for (p, w) in self.pictures.iter().filter_map(|p| p.worst.map(|w| (p, w))) {
+            let _ = writeln!(s, "{} at {}, {}: {:?}; over f64 hits: {:?}", p.contender, w.x, w.y, w.value, w.reference);
+        }
+    }
+}
+
+fn sum<'a>(rows: impl Iterator<Item = &'a Row>) -> Tally {
+    let mut sum = Tally::default();
+    rows.for_each(|r| sum.merge(&r.tally));
+    sum
+}
+
+impl Row {
+    fn of(rays: &'static str, query: Query, contender: &'static str, record: &Record) -> Self {
+        let t = &record.tally;
+        let cause = |c: Cause| t.undecidable[c as usize];
+        let fault = |f: Fault| t.wrong[f as usize];
+        Self {
+            rays,
+            query,
+            contender,
+            answers: t.answers,
+            agree: t.agree,
+            undecidable: Undecidable {
+                edge: cause(Cause::Edge),
+                tie: cause(Cause::Tie),
+                interval: cause(Cause::Interval),
+                sliver: cause(Cause::Sliver),
+            },
+            beyond_end: t.beyond_end,
+            wrong: Faults {
+                missed_hit: fault(Fault::MissedHit),
+                false_hit: fault(Fault::FalseHit),
+                other_primitive: fault(Fault::OtherPrimitive),
+                t_out_of_bounds: fault(Fault::TOutOfBounds),
+                outside_interval: fault(Fault::OutsideInterval),
+                leak: fault(Fault::Leak),
+            },
+            largest_margin: t.largest_margin,
+            differs_from_native: record.differs,
+            differs_undecidably: record.differs_undecidably,
+            tally: *t,
+        }
+    }
+}
+
+impl Example {
+    fn of(rays: &'static str, query: Query, contender: &'static str, w: &Wrong) -> Self {
+        let met = |hit: bool, t: f64, geometry: u32, primitive: u32| hit.then_some(Met { t, geometry, primitive });
+        let (claim, truth) = (&w.claim, &w.truth);
+        Self {
+            rays,
+            query,
+            contender,
+            fault: w.fault.map_or("beyond_end", fault_name),
+            origin: w.ray.origin.to_array(),
+            dir: w.ray.dir.to_array(),
+            t_min: w.ray.t_min,
+            t_max: w.ray.t_max,
+            claim: met(claim.is_hit(), f64::from(claim.t), claim.geometry, claim.primitive),
+            truth: met(truth.is_hit(), truth.t, truth.geometry, truth.primitive),
+        }
+    }
+
+    fn text(&self) -> String {
+        let met = |m: &Option<Met>| {
+            m.as_ref().map_or(String::from("nothing"), |m| format!("{}:{} at {}", m.geometry, m.primitive, m.t))
+        };
+        format!(
+            "{} {} ({:?}): {}: origin {:?}, dir {:?}, t {} to {}: {}; f64: {}",
+            self.contender,
+            self.rays,
+            self.query,
+            self.fault,
+            self.origin,
+            self.dir,
+            self.t_min,
+            self.t_max,
+            met(&self.claim),
+            met(&self.truth)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+    use crate::trial::parity::Finding;
+
+    /// The report of one set, in which native's closest hits are found to be `finding`.
+    fn report(finding: Finding, pixels: &Pixels) -> Report {
+        let Command::Parity(args) = <Cli as clap::Parser>::parse_from(["vitrum", "parity", "a.toml"]).command else {
+            unreachable!("parity was asked for")
+        };
+        let (job, contenders) = (Parity::from(args), Contenders::build(&[], 1));
+        let set = Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new() };
+        let count = contenders.names().len();
+        let mut records = vec![Records::default(); count];
+        records[0].closest.tally.add(finding);
+        Report::of(&Facts {
+            job: &job,
+            scene: &Scene::default(),
+            contenders: &contenders,
+            sets: &[set],
+            records: &[records],
+            pixels: &vec![pixels.clone(); count],
+        })
+    }
+
+    #[test]
+    fn native_passes_where_it_is_nowhere_wrong_and_not_even_beyond_an_end() {
+        let sound = Pixels { differ: 3, edge: 2, deep: 1, ..Pixels::default() };
+        for (finding, wrong) in [
+            (Finding::Agrees, 0),
+            (Finding::Undecidable(Cause::Edge, 0.5), 0),
+            (Finding::BeyondEnd, 1),
+            (Finding::Wrong(Fault::Leak), 1),
+        ] {
+            let report = report(finding, &sound);
+            assert_eq!((report.native_wrong, report.passed()), (wrong, wrong == 0), "{finding:?}");
+            assert_eq!(report.text().contains("native is WRONG in 1 case"), wrong == 1);
+        }
+        let off = Pixels { differ: 4, edge: 1, deep: 1, ..Pixels::default() };
+        assert_eq!(report(Finding::Agrees, &off).native_wrong, 2);
+    }
+}

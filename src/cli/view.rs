@@ -1,0 +1,56 @@
+//! A scene's camera and lights, for trials, which know no scenes.
+
+use crate::scene::{LightKind, Projection, Scene};
+use crate::trial::View;
+use crate::trial::rays::bounds;
+
+/// From where trials look at `scene`: as its camera does (a parallel projection from its eye, as wide at the target),
+/// under the first of its lights, or one above where it has none.
+pub(super) fn of(scene: &Scene) -> View {
+    let camera = &scene.camera;
+    let distance = camera.eye.distance(camera.target);
+    let fov = match camera.projection {
+        Projection::Pinhole { vfov } => vfov,
+        Projection::Orthographic { height } => 2.0 * (0.5 * height).atan2(distance).to_degrees(),
+    };
+    let bounds = bounds(&scene.geometry);
+    let (centre, far) =
+        if bounds.is_empty() { (camera.target, 10.0 * distance) } else { (bounds.centre(), 2.0 * bounds.diagonal()) };
+    let light = match scene.lights.first().map(|l| l.kind) {
+        Some(LightKind::Point { position } | LightKind::Spot { position, .. }) => position,
+        Some(LightKind::Directional { direction }) => centre - direction * far,
+        None if bounds.is_empty() => centre + far,
+        None => View::light_over(&bounds),
+    };
+    View { eye: camera.eye, target: camera.target, up: camera.up, fov, light }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::scene::{Camera, Falloff, Light, Rgb};
+
+    #[test]
+    fn parallel_rays_become_a_pinhole_as_wide_at_the_target() {
+        let projection = Projection::Orthographic { height: 6.0 };
+        let camera = Camera { eye: Vec3::Z * 3.0, target: Vec3::ZERO, projection, ..Camera::default() };
+        let scene = Scene { camera, ..Scene::default() };
+        assert!((of(&scene).fov - 90.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_directional_light_stands_far_off_on_the_side_it_comes_from() {
+        let mut scene = Scene::default();
+        let kind = LightKind::Directional { direction: Vec3::NEG_Y };
+        scene.lights.push(Light {
+            name: String::new(),
+            kind,
+            intensity: Rgb::ONE,
+            falloff: Falloff::InverseSquare,
+            shadows: true,
+        });
+        assert!(of(&scene).light.y > 10.0);
+    }
+}
