@@ -14,7 +14,7 @@ static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CAR
 #[command(name = "vitrum", version = VERSION.as_str(), arg_required_else_help = true, subcommand_required = true)]
 #[command(after_help = "Exit codes:
   0    done
-  1    a comparison came out negative
+  1    a comparison or check came out negative
   2    wrong input or usage
   3    reading or writing failed
   4    a limit, or a missing back end

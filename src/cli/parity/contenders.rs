@@ -2,7 +2,6 @@
 
 use crate::Result;
 use crate::accel::{Unbounded, native::Native};
-use crate::geometry::Geometry;
 use crate::image::Film;
 use crate::render::{Observer, Options, render};
 use crate::scene::Scene;
@@ -18,12 +17,13 @@ pub(super) struct Contenders {
 }
 
 impl Contenders {
-    /// Builds all of them.
-    pub fn build(geometry: &[Geometry], threads: usize) -> Self {
+    /// Builds all of them over the shapes of `scene`.
+    pub fn build(scene: &Scene, threads: usize) -> Self {
+        let geometry = &scene.geometry;
         let native = Unbounded::new(Native::build(geometry), geometry);
         #[cfg(feature = "embree")]
         {
-            let (embree, left_out) = match embree(geometry, threads) {
+            let (embree, left_out) = match embree(scene, threads) {
                 Ok(embree) => (embree, None),
                 Err(e) => (Vec::new(), Some(e.to_string())),
             };
@@ -71,17 +71,14 @@ impl Contenders {
 }
 
 #[cfg(feature = "embree")]
-fn embree(
-    geometry: &[Geometry],
-    threads: usize,
-) -> Result<Vec<(&'static str, Unbounded<crate::accel::embree::Embree>)>> {
+fn embree(scene: &Scene, threads: usize) -> Result<Vec<(&'static str, Unbounded<crate::accel::embree::Embree>)>> {
     use crate::accel::embree::{Embree, Mode, Options};
 
     [("embree-robust", Mode::Robust), ("embree-fast", Mode::Fast)]
         .into_iter()
         .map(|(name, mode)| {
             let options = Options { mode, threads, ..Options::default() };
-            Ok((name, Unbounded::new(Embree::build(geometry, &options)?, geometry)))
+            Ok((name, Unbounded::new(Embree::build(&scene.geometry, &options)?, &scene.geometry)))
         })
         .collect()
 }
