@@ -34,11 +34,12 @@ pub fn has_base(material: &Material) -> bool {
         || material.ambient != Vec3::ZERO
 }
 
-/// Adds the base of eight surfaces, each times `share`, to their pixels: at once what needs no shadow ray, and the
-/// rest to `shadows`, whose weights are what arrives if nothing is in the way.
+/// Adds the base of the surfaces in `lanes`, each times `share`, to their pixels: at once what needs no shadow ray, and
+/// the rest to `shadows`, whose weights are what arrives if nothing is in the way.
 pub fn shade_base(
     scene: &Scene,
     surface: &Surface8,
+    lanes: u8,
     share: Rgb8,
     accumulator: &mut Accumulator,
     shadows: &mut Queue,
@@ -46,7 +47,7 @@ pub fn shade_base(
 ) {
     let base = Base8::gather(scene, surface);
     let weight = surface.weight.times(share);
-    accumulator.add_radiance8(surface.active, &surface.pixel, &base.glow.times(weight));
+    accumulator.add_radiance8(lanes, &surface.pixel, &base.glow.times(weight));
     if !base.lit {
         return;
     }
@@ -56,8 +57,8 @@ pub fn shade_base(
         let cos = dir.dot(surface.shading);
         // On the viewer's side of both normals: smooth normals must not let light through the surface.
         let facing = cos.gt(F32x8::ZERO) & dir.dot(surface.normal).gt(F32x8::ZERO);
-        let lanes = facing.bits() & surface.active;
-        if lanes == 0 {
+        let lit = facing.bits() & lanes;
+        if lit == 0 {
             continue;
         }
         let lambert = match light.falloff {
@@ -70,7 +71,7 @@ pub fn shade_base(
         }
         let sent = sent.times(arriving).times(weight);
         if !light.shadows {
-            accumulator.add_radiance8(lanes, &surface.pixel, &sent);
+            accumulator.add_radiance8(lit, &surface.pixel, &sent);
             continue;
         }
         let dark = sent.x.eq(F32x8::ZERO) & sent.y.eq(F32x8::ZERO) & sent.z.eq(F32x8::ZERO);
@@ -85,7 +86,7 @@ pub fn shade_base(
             lead: surface.lead(dir),
             passes: &[0; 8],
         };
-        shadows.push8(lanes & !dark.bits(), &new);
+        shadows.push8(lit & !dark.bits(), &new);
     }
 }
 

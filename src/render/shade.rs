@@ -55,7 +55,7 @@ impl<I: Intersector> Worker<'_, I> {
     /// Shades eight surfaces of one class, found by rays of depth `depth`.
     pub(super) fn shade<F: FresnelFormula>(&mut self, class: Class, surface: &Surface8, depth: usize) {
         match class {
-            Class::Opaque => self.base(surface, WHITE),
+            Class::Opaque => self.base(surface, surface.active, WHITE),
             Class::Mirror | Class::MirrorOfEnvironment => self.mirror(class, surface, depth),
             Class::Conductor => self.conductor::<F>(surface, depth),
             Class::Dielectric => self.dielectric::<F>(surface, depth),
@@ -78,15 +78,15 @@ impl<I: Intersector> Worker<'_, I> {
         out
     }
 
-    fn base(&mut self, surface: &Surface8, share: Rgb8) {
+    fn base(&mut self, surface: &Surface8, lanes: u8, share: Rgb8) {
         if (0..8).any(|k| self.has_base[surface.material[k] as usize]) {
             let admits = self.shadow_admits;
-            direct::shade_base(self.scene, surface, share, &mut self.accumulator, &mut self.shadows, admits);
+            direct::shade_base(self.scene, surface, lanes, share, &mut self.accumulator, &mut self.shadows, admits);
         }
     }
 
     fn mirror(&mut self, class: Class, surface: &Surface8, depth: usize) {
-        self.base(surface, WHITE);
+        self.base(surface, surface.active, WHITE);
         let reflectance = self.gather(surface, |i| match i {
             Interface::Mirror { reflectance, .. } => *reflectance,
             _ => Vec3::ZERO,
@@ -102,7 +102,7 @@ impl<I: Intersector> Worker<'_, I> {
     }
 
     fn conductor<F: FresnelFormula>(&mut self, surface: &Surface8, depth: usize) {
-        self.base(surface, WHITE);
+        self.base(surface, surface.active, WHITE);
         // A metal's index counts relative to what the light comes through.
         let outside = F32x8::from_fn(|k| self.media.ior(surface.stack[k]) as f32);
         let relative = F32x8::ONE / outside;
@@ -116,13 +116,13 @@ impl<I: Intersector> Worker<'_, I> {
 
     fn coated<F: FresnelFormula>(&mut self, surface: &Surface8, depth: usize) {
         let reflected = Vec3x8::all(self.interface_reflectance::<F>(surface).0);
-        self.base(surface, WHITE - reflected);
+        self.base(surface, surface.active, WHITE - reflected);
         let dir = reflect(surface.incident, surface.shading);
         self.reflected(surface, surface.active, dir, surface.weight.times(reflected), depth);
     }
 
     fn thin<F: FresnelFormula>(&mut self, surface: &Surface8, depth: usize) {
-        self.base(surface, WHITE);
+        self.base(surface, surface.active, WHITE);
         let (face, total) = self.interface_reflectance::<F>(surface);
         let reflected = self.ruled(surface, Vec3x8::all(thin_reflectance(face)), total);
         let tint =
@@ -136,7 +136,7 @@ impl<I: Intersector> Worker<'_, I> {
     fn alpha(&mut self, surface: &Surface8, depth: usize) {
         let opacity =
             self.gather(surface, |i| Vec3::splat(if let Interface::Alpha { opacity } = i { *opacity } else { 1.0 }));
-        self.base(surface, opacity);
+        self.base(surface, surface.active, opacity);
         self.straight_on(surface, surface.active, surface.weight.times(WHITE - opacity), depth);
     }
 
@@ -160,7 +160,7 @@ impl<I: Intersector> Worker<'_, I> {
         if lanes == 0 {
             return;
         }
-        self.base(&Surface8 { active: lanes, ..surface.clone() }, WHITE);
+        self.base(surface, lanes, WHITE);
 
         let boundary = gather_boundaries(|k| transitions[k].map_or(Boundary::new(1.0, 1.0), |t| t.boundary));
         let cos_i = -surface.incident.dot(surface.shading);

@@ -50,26 +50,22 @@ impl Surface8 {
     /// Gathers up to eight hits (at least one) of a chunk.
     #[must_use]
     pub fn gather(scene: &Scene, chunk: &Chunk, hits: &[Hit8], refs: &[HitRef]) -> Self {
-        let at = |k: usize| {
-            let r = refs[k.min(refs.len() - 1)];
-            (r as usize >> 3, r as usize & 7)
-        };
         let mut incident = Vec3x8::splat(Vec3::Z);
-        let mut origin = incident;
-        let mut weight = incident;
-        let mut t = F32x8::ZERO;
+        let (mut origin, mut weight, mut t) = (incident, incident, F32x8::ZERO);
+        let (mut hit, mut material, mut pixel) = ([Hit::MISS; 8], [0; 8], [0; 8]);
+        let (mut stack, mut passes) = ([StackId::default(); 8], [0; 8]);
         for k in 0..8 {
-            let (packet, lane) = at(k);
+            let r = refs[k.min(refs.len() - 1)] as usize;
+            let (packet, lane) = (r >> 3, r & 7);
             let (ray, state) = (&chunk.rays[packet], &chunk.states[packet]);
             incident.set_lane(k, ray.dir.lane(lane));
             origin.set_lane(k, ray.origin.lane(lane));
             weight.set_lane(k, state.weight.lane(lane));
-            t.set_lane(k, hits[packet].t.lane(lane));
+            (pixel[k], stack[k], passes[k]) = (state.pixel[lane], state.stack[lane], state.passes[lane]);
+            hit[k] = hits[packet].lane(lane);
+            t.set_lane(k, hit[k].t);
+            material[k] = scene.objects[hit[k].geometry as usize].material;
         }
-        let hit: [Hit; 8] = std::array::from_fn(|k| {
-            let (packet, lane) = at(k);
-            hits[packet].lane(lane)
-        });
         let place = Place::of(scene, &hit, origin, incident, t);
 
         // The geometric normal decides the side; both normals then face the ray.
@@ -83,7 +79,6 @@ impl Surface8 {
         } else {
             normal
         };
-        let states = &chunk.states;
         Self {
             active: ((1_u32 << refs.len()) - 1) as u8,
             incident,
@@ -94,11 +89,11 @@ impl Surface8 {
             reach: place.reach,
             front,
             hit,
-            material: hit.map(|h| scene.objects[h.geometry as usize].material),
+            material,
             weight,
-            pixel: std::array::from_fn(|k| states[at(k).0].pixel[at(k).1]),
-            stack: std::array::from_fn(|k| states[at(k).0].stack[at(k).1]),
-            passes: std::array::from_fn(|k| states[at(k).0].passes[at(k).1]),
+            pixel,
+            stack,
+            passes,
         }
     }
 
