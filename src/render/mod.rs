@@ -8,6 +8,7 @@ mod accumulate;
 mod camera;
 mod direct;
 mod eye;
+mod lamp;
 mod lookup;
 mod media;
 mod options;

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::lamp::before_lamp;
 use super::media::StackId;
 use super::outcome::RayKind;
 use super::queue::{Chunk, Rgb8};
@@ -29,7 +30,9 @@ impl<I: Intersector> Worker<'_, I> {
         let mut blocked = std::mem::take(&mut self.blocked);
         blocked.clear();
         blocked.resize(chunk.rays.len(), Mask8::NONE);
+        self.cut_short(&mut chunk);
         self.accel.occluded(&chunk.rays, &mut blocked, coherence, &mut self.scratch);
+        self.restore(&mut chunk);
         for (ray, blocked) in chunk.rays.iter_mut().zip(&blocked) {
             ray.active &= !blocked.bits();
         }
@@ -42,6 +45,22 @@ impl<I: Intersector> Worker<'_, I> {
             self.accumulator.add_radiance8(ray.active, &state.pixel, &state.weight);
         }
         self.shadow_chunk = chunk;
+    }
+
+    /// Ends the rays before whatever their lamps stand on, and keeps their lengths for [`Worker::restore`].
+    fn cut_short(&mut self, chunk: &mut Chunk) {
+        self.shadow_ends.clear();
+        self.shadow_ends.extend(chunk.rays.iter().map(|ray| ray.t_max));
+        for ray in &mut chunk.rays {
+            ray.t_max = before_lamp(ray.origin, ray.dir, ray.t_max);
+        }
+    }
+
+    /// Gives the rays their lengths back, which absorption goes by.
+    fn restore(&self, chunk: &mut Chunk) {
+        for (ray, &end) in chunk.rays.iter_mut().zip(&self.shadow_ends) {
+            ray.t_max = end;
+        }
     }
 
     /// Takes the unblocked rays over the transmissive surfaces in their way, weakening them at each. Every ray comes
@@ -57,7 +76,9 @@ impl<I: Intersector> Worker<'_, I> {
         for step in 0.. {
             hits.clear();
             hits.resize(chunk.rays.len(), Hit8::default());
+            self.cut_short(chunk);
             self.accel.closest(&chunk.rays, &mut hits, coherence, &mut self.scratch);
+            self.restore(chunk);
 
             let mut refs = std::mem::take(&mut self.shadow_refs);
             refs.clear();

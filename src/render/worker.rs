@@ -51,6 +51,8 @@ pub struct Worker<'a, I: Intersector> {
     misses: Vec<HitRef>,
     pub(super) shadow_chunk: Chunk,
     pub(super) shadow_hits: Vec<Hit8>,
+    /// Lengths of the shadow rays, while they are cut short of their lamps.
+    pub(super) shadow_ends: Vec<F32x8>,
     pub(super) shadow_refs: Vec<HitRef>,
     pub(super) blocked: Vec<Mask8>,
     /// Lanes of shadow packets whose light arrives.
@@ -88,6 +90,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             misses: Vec::new(),
             shadow_chunk: Chunk::default(),
             shadow_hits: Vec::new(),
+            shadow_ends: Vec::new(),
             shadow_refs: Vec::new(),
             blocked: Vec::new(),
             arrived: Vec::new(),

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::super::lamp::before_lamp;
 use super::media::{MediumStack, Meeting};
 use super::split::{reflectance, share};
 use super::{Prepared, surface};
@@ -72,13 +73,18 @@ pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack)
         ShadowRule::Opaque => GeometryMask::ALL,
         ShadowRule::Straight => GeometryMask::OPAQUE,
     };
-    if prepared.accel.occluded(&Ray64 { admits: blocking, ..*ray }) {
+    if prepared.accel.occluded(&Ray64 { admits: blocking, t_max: end_of(ray), ..*ray }) {
         return (DVec3::ZERO, 0);
     }
     match prepared.scene.settings.shadows {
         ShadowRule::Opaque => (DVec3::ONE, 0),
         ShadowRule::Straight => march(prepared, ray, stack),
     }
+}
+
+/// As far as surfaces are in a shadow ray's way.
+fn end_of(ray: &Ray64) -> f64 {
+    before_lamp(ray.origin.into(), ray.dir.into(), ray.t_max)
 }
 
 /// Straight through every transmissive surface on the way.
@@ -90,7 +96,7 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
         let absorption = scene.media[stack.top(scene) as usize].absorption.as_dvec3();
         transmittance(absorption.into(), distance).into()
     };
-    let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, ..*ray };
+    let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, t_max: end_of(ray), ..*ray };
     let crossings = surface::crossings(scene, &prepared.accel, &marched);
     if crossings.len() > MARCHED_AT_MOST {
         return (DVec3::ZERO, 0);
