@@ -47,7 +47,9 @@ impl RefractionFormula for Oliveira {
     ) -> Refracted<R> {
         let zero = R::zero();
         let leaving = boundary.kc.gt(zero);
-        let c = R::select(leaving, R::splat(-self.c / (1.0 + self.c)), R::splat(self.c));
+        // `c` = -1 has no way back (it stands for an index of 0): there, light goes on as it was.
+        let back = if self.c == -1.0 { 0.0 } else { -self.c / (1.0 + self.c) };
+        let c = R::select(leaving, R::splat(back), R::splat(self.c));
         let sum = (-normal).fma(c, incident);
         let length2 = sum.length_squared();
         // `c` = -1 head on leaves no direction at all.
