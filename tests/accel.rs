@@ -4,36 +4,12 @@ mod support;
 
 use glam::Vec3;
 use support::contract::{self, bits};
+use support::kernels::{Held, KERNELS, assert_bits_of_brute_force, sound};
 use support::{Rng, shapes};
-use vitrum::accel::native::{Kernel, Native, Scratch};
+use vitrum::accel::native::Native;
 use vitrum::accel::reference::{Reference, Verdict};
-use vitrum::accel::{BuildStats, Coherence, Intersector, Unbounded};
-use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, TriMesh};
-use vitrum::simd::Mask8;
-
-/// The native accelerator, held to one kernel.
-struct Held(Native, Kernel);
-
-impl Intersector for Held {
-    type Scratch = Scratch;
-    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
-        self.0.closest_with(self.1, rays, hits, coherence, scratch);
-    }
-    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
-        self.0.occluded_with(self.1, rays, blocked, coherence, scratch);
-    }
-    fn build_stats(&self) -> BuildStats {
-        self.0.build_stats()
-    }
-}
-
-const KERNELS: [Kernel; 3] = [Kernel::Single, Kernel::Packet, Kernel::Auto];
-
-fn sound(geometry: &[Geometry]) -> Native {
-    let native = Native::build(geometry);
-    native.validate(geometry).unwrap();
-    native
-}
+use vitrum::accel::{Intersector, Unbounded};
+use vitrum::geometry::{Geometry, GeometryMask, Hit, Ray, Shape, TriMesh};
 
 #[test]
 fn every_kernel_keeps_the_contract() {
@@ -47,6 +23,7 @@ fn the_arbiter_keeps_the_contract() {
     contract::holds(Reference::build, true);
 }
 
+/// Case PA-01 of the catalogue.
 #[test]
 fn the_arbiter_finds_no_fault_with_native_hits() {
     let mut rng = Rng::new(14);
@@ -85,44 +62,6 @@ fn wrapping_for_planes_keeps_the_contract() {
     );
 }
 
-/// Every triangle, sphere and plane in turn, by the scalar tests.
-fn brute_force(geometry: &[Geometry], ray: &Ray) -> Hit {
-    let mut best = Hit::MISS;
-    let mut take = |met: Option<(f32, f32, f32)>, geometry: u32, primitive: u32| {
-        let Some((t, u, v)) = met else { return };
-        let hit = Hit { t, u, v, instance: 0, geometry, primitive };
-        if t < best.t || (t == best.t && hit.id() < best.id()) {
-            best = hit;
-        }
-    };
-    for (g, id) in geometry.iter().zip(0..).filter(|(g, _)| g.mask.meets(ray.admits)) {
-        match &g.shape {
-            Shape::Mesh(mesh) => {
-                for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
-                    take(vitrum::geometry::intersect_triangle(ray, mesh.corners(i)), id, i as u32);
-                }
-            }
-            Shape::Sphere(s) => take(s.intersect(ray).map(|t| (t, 0.0, 0.0)), id, 0),
-            Shape::Plane(p) => take(p.intersect(ray).map(|t| (t, 0.0, 0.0)), id, 0),
-        }
-    }
-    best
-}
-
-fn assert_bits_of_brute_force(geometry: &[Geometry], rays: &[Ray]) -> usize {
-    let native = sound(geometry);
-    let want: Vec<Hit> = rays.iter().map(|r| brute_force(geometry, r)).collect();
-    for kernel in KERNELS {
-        let held = Unbounded::new(Held(native.clone(), kernel), geometry);
-        let (got, blocked) = (contract::closest(&held, rays), contract::occluded(&held, rays));
-        for i in 0..rays.len() {
-            assert_eq!(bits(&got[i]), bits(&want[i]), "{kernel:?} {:?}: {:?} is not {:?}", rays[i], got[i], want[i]);
-            assert_eq!(blocked[i], want[i].is_hit(), "{kernel:?} {:?}", rays[i]);
-        }
-    }
-    want.iter().filter(|h| h.is_hit()).count()
-}
-
 /// Rays of many kinds at shapes about the unit cube.
 fn assorted(n: usize, rng: &mut Rng) -> Vec<Ray> {
     (0..n)
@@ -144,6 +83,7 @@ fn assorted(n: usize, rng: &mut Rng) -> Vec<Ray> {
         .collect()
 }
 
+/// Cases TR-08, LN-09 of the catalogue.
 #[test]
 fn every_kernel_gives_the_bits_of_testing_everything() {
     let mut rng = Rng::new(1);
@@ -155,6 +95,7 @@ fn every_kernel_gives_the_bits_of_testing_everything() {
     }
 }
 
+/// Case RT-08 of the catalogue.
 #[test]
 fn rays_of_any_scale_give_the_bits_of_testing_everything() {
     let mut rng = Rng::new(2);
@@ -171,6 +112,7 @@ fn rays_of_any_scale_give_the_bits_of_testing_everything() {
     }
 }
 
+/// Case TR-08 of the catalogue.
 #[test]
 fn spheres_and_planes_give_the_bits_of_testing_everything() {
     let mut rng = Rng::new(12);
@@ -198,6 +140,7 @@ fn aimed(mesh: &TriMesh, origins: &[Vec3], rng: &mut Rng) -> Vec<Ray> {
     rays
 }
 
+/// Cases RT-01, RT-09 of the catalogue.
 #[test]
 fn no_ray_leaves_a_closed_mesh_through_its_seams() {
     let mut rng = Rng::new(3);
@@ -225,6 +168,7 @@ fn no_ray_leaves_a_closed_mesh_through_its_seams() {
     assert!(count > 300_000, "{count}");
 }
 
+/// Case TR-09 of the catalogue.
 #[test]
 fn axis_aligned_rays_through_the_corners_of_a_grid_all_hit() {
     let native = sound(&[shapes::masked(shapes::grid(40), GeometryMask::OPAQUE)]);
@@ -240,6 +184,7 @@ fn axis_aligned_rays_through_the_corners_of_a_grid_all_hit() {
     }
 }
 
+/// Case RB-01 of the catalogue.
 #[test]
 fn rays_that_enter_a_box_by_its_corner_hit_it() {
     let mut rng = Rng::new(4);
@@ -299,6 +244,7 @@ fn planes_take_their_part() {
     assert_eq!(contract::occluded(&it, &[short, Ray { t_max: 5.0, ..short }]), [false, true]);
 }
 
+/// Case BB-10 of the catalogue.
 #[test]
 fn the_tree_is_the_same_for_any_number_of_threads() {
     let mut rng = Rng::new(6);
@@ -319,6 +265,7 @@ fn the_tree_is_the_same_for_any_number_of_threads() {
     assert_eq!(hits(&built[0]), hits(&built[3]));
 }
 
+/// Cases RB-10, BB-03, BB-04, BB-06, BB-12 of the catalogue.
 #[test]
 fn odd_meshes_build_and_are_hit() {
     let unit = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -366,6 +313,7 @@ fn from_triangles(of: impl Iterator<Item = [Vec3; 3]>) -> TriMesh {
     TriMesh { positions, triangles, ..Default::default() }
 }
 
+/// Cases RB-10, RT-18, BB-08 of the catalogue.
 #[test]
 fn garbage_is_dropped_and_counted() {
     let mut rng = Rng::new(8);

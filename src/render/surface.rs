@@ -244,3 +244,49 @@ fn on_planes(anchor: Vec3x8, axis: Vec3x8, near: Vec3x8) -> Place {
     let reach = axis.abs().dot(point.abs() + anchor.abs()) * F32x8::from(gamma(9));
     Place { point, outward: axis, shading: axis, interpolated: Mask8::NONE, reach }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    /// RT-15, RT-16, SI-04: over places up to 1e6 and triangles up to a thousand times longer than high, the point lies
+    /// on the triangle's plane well within `reach`, and the normal is as right as corners of that rounding let it be.
+    #[test]
+    fn points_and_normals_of_triangles_are_within_their_bounds() {
+        let mut state = 77_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+        };
+        let u = f64::from(crate::math::UNIT_ROUNDOFF);
+        for i in 0..40_000_i32 {
+            let place = DVec3::new(random(), random(), random()) * [0.0, 1.0, 1e3, 1e6][i as usize % 4];
+            let size = [1.0, 30.0, 1e3][i as usize / 4 % 3] * if i % 4 == 3 { 30.0 } else { 1.0 };
+            let (along, aside) = (DVec3::new(random(), random(), random()), DVec3::new(random(), random(), random()));
+            let thin = [1.0, 0.1, 1e-3][i as usize / 12 % 3];
+            // The corner from which the edges are taken is any of the three.
+            let offsets = [DVec3::ZERO, along, along * random().abs() + aside * thin];
+            let turn = i as usize % 3;
+            let corners = [0, 1, 2].map(|k| (place + offsets[(k + turn) % 3] * size).as_vec3());
+            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            let spanned = (b - a).cross(c - a);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let height = spanned.length() / longest;
+            if height < 1e-4 * longest {
+                continue;
+            }
+            let (x, y) = (random().abs(), random().abs());
+            let (x, y) = if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) };
+            let spread = |p: Vec3| Vec3x8::splat(p);
+            let at = on_triangles(corners.map(spread), F32x8::from(x as f32), F32x8::from(y as f32));
+            let (point, outward) = (at.point.lane(0).as_dvec3(), at.outward.lane(0).as_dvec3());
+            let (normal, reach) = (spanned.normalize(), f64::from(at.reach.lane(0)));
+            let off = (point - a).dot(normal).abs();
+            assert!(off <= reach, "{off:e} beyond {reach:e}: {corners:?}");
+            let angle = outward.cross(normal).length().atan2(outward.dot(normal));
+            assert!(angle <= 8.0 * u * longest / height, "{angle:e} off, {longest} by {height}: {corners:?}");
+        }
+    }
+}

@@ -94,6 +94,7 @@ fn rays_at(radius: f32, n: usize, seed: u64) -> Vec<Ray> {
         .collect()
 }
 
+/// Case BB-01 of the catalogue.
 fn an_empty_scene_is_never_met<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     let empties = [vec![], vec![shapes::mesh(vec![], vec![])], vec![shapes::mesh(vec![Vec3::ZERO], vec![[0, 0, 0]])]];
     for geometry in empties {
@@ -215,6 +216,7 @@ fn impossible() -> Vec<Ray> {
     all
 }
 
+/// Cases RB-04, TR-02, TR-05, LN-03 of the catalogue.
 fn impossible_rays_meet_nothing_and_disturb_nobody<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&still_life());
     let good = rays_at(5.0, 8, 17);
@@ -236,6 +238,7 @@ fn impossible_rays_meet_nothing_and_disturb_nobody<I: Intersector>(build: &impl 
     }
 }
 
+/// Cases LN-01, LN-02 of the catalogue.
 fn inactive_lanes_are_left_alone<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&still_life());
     let good = rays_at(5.0, 8, 23);
@@ -272,6 +275,7 @@ fn inactive_lanes_are_left_alone<I: Intersector>(build: &impl Fn(&[Geometry]) ->
     }
 }
 
+/// Case LN-08 of the catalogue.
 fn lanes_do_not_matter<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactly: bool) {
     let it = build(&still_life());
     let rays = rays_at(4.0, 800, 29);
@@ -292,6 +296,7 @@ fn lanes_do_not_matter<I: Intersector>(build: &impl Fn(&[Geometry]) -> I, exactl
     }
 }
 
+/// Case TR-04 of the catalogue.
 fn blocked_is_having_a_hit<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     let it = build(&still_life());
     for admits in [GeometryMask::ALL, GeometryMask::OPAQUE, GeometryMask::TRANSMISSIVE] {
@@ -306,6 +311,7 @@ fn blocked_is_having_a_hit<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     }
 }
 
+/// Cases RT-17, TR-03 of the catalogue.
 fn the_lower_id_wins_a_tie<I: Intersector>(build: &impl Fn(&[Geometry]) -> I) {
     // The same triangle twenty times in one mesh and once in each of five, behind two equal balls.
     let mut many = triangle(1.0);

@@ -2,7 +2,9 @@
 
 #![allow(dead_code, reason = "each test uses its own part")]
 
+pub mod aim;
 pub mod contract;
+pub mod kernels;
 pub mod scenes;
 pub mod shapes;
 

@@ -147,3 +147,35 @@ pub(super) fn each(mut lanes: u8, mut f: impl FnMut(usize)) {
         lanes &= lanes - 1;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geometry::Ray;
+
+    /// LN-04: a ray that can meet nothing costs no traversal: it is left out at the door, and its neighbours are not.
+    #[test]
+    fn rays_that_can_meet_nothing_are_left_out_before_traversal() {
+        let good = Ray::new(Vec3::ONE, Vec3::new(0.1, -0.2, 0.9));
+        let bad = [
+            Ray { dir: Vec3::new(f32::NAN, 0.0, 1.0), ..good },
+            Ray { dir: Vec3::new(0.0, f32::INFINITY, 1.0), ..good },
+            Ray { dir: Vec3::new(0.0, -0.0, 0.0), ..good },
+            Ray { origin: Vec3::new(0.0, 0.0, f32::NAN), ..good },
+            Ray { origin: Vec3::new(0.0, f32::NEG_INFINITY, 0.0), ..good },
+            Ray { t_min: f32::NAN, ..good },
+            Ray { t_max: f32::NAN, ..good },
+            Ray { t_min: 2.0, t_max: 2.0, ..good },
+        ];
+        for lane in 0..8 {
+            for bad in bad {
+                let mut rays = [good; 8];
+                rays[lane] = bad;
+                assert_eq!(Eight::new(&Ray8::pack(&rays)[0]).lanes, !(1 << lane), "{bad:?}");
+            }
+        }
+        assert_eq!(Eight::new(&Ray8::pack(&bad)[0]).lanes, 0);
+    }
+}
