@@ -63,6 +63,7 @@ fn the_native_path_is_never_wrong_on_balls_spheres_and_planes() {
     assert!(agree > 9000 && undecidable < 3000, "{agree} agree, {undecidable} undecidable");
 }
 
+/// Case PA-09 of the catalogue.
 #[test]
 fn both_renderers_make_the_same_picture() {
     let mut scene = scenes::empty(1.0);

@@ -261,6 +261,7 @@ fn both_renderers_make_the_same_picture() {
     place.run("compare a.exr b.exr --tolerance 0.0005 --allow-share 0.01").code(0);
 }
 
+/// Case IO-21 of the catalogue.
 #[test]
 fn wrong_usage_ends_with_2_and_writes_nothing() {
     let place = Place::new();
@@ -310,6 +311,7 @@ fn a_wrong_scene_is_named_with_its_line() {
     assert_eq!(place.names(), ["scene.toml", "words.txt", "wrong.toml"]);
 }
 
+/// Case AB-10 of the catalogue.
 #[test]
 fn what_was_left_out_is_told_and_under_strict_an_error() {
     let place = Place::new();
@@ -340,6 +342,7 @@ fn what_is_not_there_or_too_large_has_its_own_exit_code() {
     assert_eq!(place.names(), ["scene.toml"]);
 }
 
+/// Case IO-16 of the catalogue.
 #[test]
 fn places_that_cannot_be_written_are_refused_with_3() {
     let place = Place::new();
@@ -355,6 +358,7 @@ fn places_that_cannot_be_written_are_refused_with_3() {
     assert_eq!(place.names(), ["folder.png", "kept.png", "scene.toml"]);
 }
 
+/// Case IO-16 of the catalogue.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_an_error_and_a_device_is_written_to() {
@@ -370,6 +374,7 @@ fn a_full_disk_is_an_error_and_a_device_is_written_to() {
     assert_eq!(child.stderr(full).status().unwrap().code(), Some(0));
 }
 
+/// Case IO-15 of the catalogue.
 #[test]
 fn inputs_are_never_written_over() {
     let place = Place::new();
@@ -384,6 +389,7 @@ fn inputs_are_never_written_over() {
     assert!(place.bytes("scene.png") == before);
 }
 
+/// Case IO-17 of the catalogue.
 #[test]
 fn a_reader_that_leaves_early_breaks_nothing() {
     let place = Place::new();
@@ -444,6 +450,7 @@ fn help_and_version_are_there() {
     place.run("compare --help").code(0).stdout(contains("Examples:"));
 }
 
+/// Case IO-18 of the catalogue.
 #[cfg(unix)]
 #[test]
 fn names_need_not_be_utf_8() {

@@ -81,6 +81,7 @@ impl Random {
     }
 }
 
+/// Case PA-04 of the catalogue.
 #[test]
 fn the_contract_holds_but_for_ties_bits_and_looking_back() {
     if library("contract").is_none() {
@@ -103,6 +104,7 @@ fn the_contract_holds_but_for_ties_bits_and_looking_back() {
     assert!(levels > 0, "no instructions that Embree can use");
 }
 
+/// Case PA-03 of the catalogue.
 #[test]
 fn weights_and_ids_are_those_of_the_contract() {
     if library("weights and ids").is_none() {
@@ -300,6 +302,7 @@ fn an_interval_excludes_its_start_and_includes_its_end_at_every_width_and_isa() 
     }
 }
 
+/// Case PA-06 of the catalogue.
 #[test]
 fn unusable_shapes_are_left_out_and_counted_and_the_others_keep_their_ids() {
     if library("dropped shapes").is_none() {
@@ -395,6 +398,7 @@ fn brute_force(shapes: &[Geometry], ray: &Ray) -> Vec<(f64, (u32, u32), f64)> {
     met
 }
 
+/// Case PA-01 of the catalogue.
 #[test]
 fn hits_are_those_of_a_brute_force_search_in_f64() {
     if library("brute force").is_none() {

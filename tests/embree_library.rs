@@ -37,6 +37,7 @@ fn the_shorter_structs_of_4_2_are_overrun_by_4_32_and_64_bytes() {
     assert_eq!(past, if library.version >= [4, 3, 0] { [4, 32, 64] } else { [0, 0, 0] });
 }
 
+/// Case PA-05 of the catalogue.
 #[test]
 fn structs_have_the_sizes_of_the_c_headers() {
     assert_eq!([size_of::<sys::RtcRay1>(), size_of::<sys::RtcRay8>(), size_of::<sys::RtcRay16>()], [48, 384, 768]);
@@ -56,6 +57,7 @@ fn refusal(folder: &Path) -> String {
     message
 }
 
+/// Case PA-08 of the catalogue.
 #[test]
 fn a_folder_without_the_library_is_refused_with_the_cure() {
     let folder = tempfile::tempdir().unwrap();
@@ -88,6 +90,7 @@ fn a_library_that_lacks_a_function_is_refused_by_its_name() {
     assert!(refusal(folder.path()).contains("has no rtcReleaseDevice"));
 }
 
+/// Case PA-08 of the catalogue.
 #[test]
 fn another_major_version_is_refused() {
     let speaking = "int device; void *rtcNewDevice(const char *config) { return &device; }

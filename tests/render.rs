@@ -28,6 +28,7 @@ fn head_on(environment: f32) -> Scene {
     scene
 }
 
+/// Case AB-07 of the catalogue.
 #[test]
 fn lossless_glass_of_any_shape_in_a_constant_environment_is_invisible() {
     let mut scene = empty(1.0);
@@ -48,6 +49,7 @@ fn lossless_glass_of_any_shape_in_a_constant_environment_is_invisible() {
     }
 }
 
+/// Case AB-07 of the catalogue.
 #[test]
 fn what_a_small_depth_cuts_off_is_exactly_what_is_reported() {
     let mut scene = empty(1.0);
@@ -123,6 +125,7 @@ fn everything() -> Scene {
     scene
 }
 
+/// Case AC-03 of the catalogue.
 #[test]
 fn neither_threads_nor_tiles_change_a_byte() {
     let scene = everything();
@@ -136,6 +139,7 @@ fn neither_threads_nor_tiles_change_a_byte() {
     }
 }
 
+/// Case LN-12 of the catalogue.
 #[test]
 fn rays_are_counted_by_what_they_were_sent_for() {
     let mut scene = head_on(1.0);
@@ -188,6 +192,7 @@ fn a_coloured_slab_weakens_by_beer_and_lambert() {
     assert_close(centre(&outcome.film), want, 3e-6, "reflected plus transmitted series");
 }
 
+/// Case AB-08 of the catalogue.
 #[test]
 fn ice_in_water_in_a_glass_reflects_at_the_boundaries_that_are_there() {
     // Slabs that overlap: glass 0.5..1 and water 0..0.6 (overlapping the glass), ice -0.5..0.2 (overlapping water).
@@ -246,6 +251,7 @@ fn a_lamp_on_a_wall_gives_the_lambert_value_in_both_conventions() {
     assert_eq!(centre(&native(&scene, &Options::default()).film), Vec3::ZERO);
 }
 
+/// Case CL-06 of the catalogue.
 #[test]
 fn light_through_a_pane_of_glass_is_weakened_and_not_bent() {
     let mut scene = head_on(0.0);
@@ -274,6 +280,7 @@ fn light_through_a_pane_of_glass_is_weakened_and_not_bent() {
     assert_eq!(centre(&native(&scene, &Options::default()).film), Vec3::ZERO, "opaque");
 }
 
+/// Case AB-04 of the catalogue.
 #[test]
 fn facing_mirrors_give_the_geometric_series_to_any_depth() {
     // A mirror of reflectance 0.9 opposite a wall that emits 1: after n bounces 0.9^n arrives, and nothing is lost but
@@ -295,6 +302,7 @@ fn facing_mirrors_give_the_geometric_series_to_any_depth() {
     assert_close(centre(&outcome.truncated), Vec3::splat(0.9_f32.powi(65)), 1e-7, "the rest is truncated");
 }
 
+/// Cases FR-13, AB-09 of the catalogue.
 #[test]
 fn under_water_the_sky_fills_snells_window_and_the_rest_is_total_reflection() {
     let mut scene = empty(0.0);
@@ -328,6 +336,7 @@ fn under_water_the_sky_fills_snells_window_and_the_rest_is_total_reflection() {
     assert_eq!(outcome.unmatched_exits, 0, "the eye is found to be in the water");
 }
 
+/// Case RF-07 of the catalogue.
 #[test]
 fn matched_indices_are_invisible_to_the_bit() {
     let mut scene = empty(0.0);
@@ -368,6 +377,7 @@ fn coats_panes_and_holes_divide_light_as_the_table_says() {
     }
 }
 
+/// Case RV-04 of the catalogue.
 #[test]
 fn smooth_normals_never_send_light_through_the_surface() {
     // A flat sheet with wildly tilted normals over a black hall: a reflected ray that dived below would see the
@@ -389,6 +399,7 @@ fn smooth_normals_never_send_light_through_the_surface() {
     assert!(outcome.film.at(w / 2, h / 2)[0] < 50.0, "{:?}", outcome.film.at(w / 2, h / 2));
 }
 
+/// Case CL-07 of the catalogue.
 #[test]
 fn an_empty_scene_is_its_environment_and_no_light_is_no_error() {
     let scene = empty(0.25);

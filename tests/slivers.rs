@@ -44,6 +44,7 @@ fn lit_rod() -> Scene {
     scene
 }
 
+/// Case RT-16 of the catalogue.
 #[test]
 fn a_rod_of_slivers_is_lit_as_the_reference_lights_it() {
     let scene = lit_rod();

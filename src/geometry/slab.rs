@@ -123,6 +123,7 @@ mod tests {
         enter <= leave
     }
 
+    /// Case RB-03 of the catalogue.
     #[test]
     fn a_ray_within_a_face_meets_the_closed_box_for_either_sign_of_zero() {
         let (lo, hi) = (Vec3::splat(-1.0), Vec3::splat(2.0));
@@ -144,6 +145,7 @@ mod tests {
         }
     }
 
+    /// Cases RB-01, RB-02 of the catalogue.
     #[test]
     fn a_ray_through_a_corner_meets_the_box_however_flat() {
         let mut state = 9_u32;
@@ -174,6 +176,7 @@ mod tests {
         assert!(count > 10_000, "{count}");
     }
 
+    /// Case RB-09 of the catalogue.
     #[test]
     fn an_empty_box_is_never_met() {
         let specials = [0.0, -0.0, 1.0, -1.0, 1e-45, -1e-45, f32::MAX, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];

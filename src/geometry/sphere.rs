@@ -85,6 +85,7 @@ pub(crate) fn intersect<R: Real>(
 mod tests {
     use super::*;
 
+    /// Case SP-02 of the catalogue.
     #[test]
     fn both_ways_through_are_found() {
         let s = Sphere { centre: Vec3::new(0.0, 0.0, 5.0), radius: 2.0 };
@@ -101,6 +102,7 @@ mod tests {
         assert_eq!(s.intersect(&Ray::new(Vec3::new(2.0, 0.0, 0.0), Vec3::Z)), Some(5.0));
     }
 
+    /// Case SP-01 of the catalogue.
     #[test]
     fn a_small_sphere_far_away_is_hit_where_it_is() {
         let mut state = 11_u64;
@@ -129,6 +131,7 @@ mod tests {
         }
     }
 
+    /// Case SP-04 of the catalogue.
     #[test]
     fn spheres_that_cannot_be_are_refused() {
         let of = |radius, x| Sphere { centre: Vec3::new(x, 0.0, 0.0), radius }.is_usable();

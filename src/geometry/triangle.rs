@@ -209,6 +209,7 @@ mod tests {
         }
     }
 
+    /// Case RT-07 of the catalogue.
     #[test]
     fn a_triangle_seen_from_its_edge_is_missed() {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -216,6 +217,7 @@ mod tests {
         assert_eq!(intersect(&Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X), corners), None);
     }
 
+    /// Case RT-05 of the catalogue.
     #[test]
     fn coinciding_corners_are_missed_and_corners_in_line_are_no_wider_than_rounding() {
         let (a, b) = (Vec3::new(1.0, 1.0, 5.0), Vec3::new(2.0, -1.0, 5.0));
@@ -233,6 +235,7 @@ mod tests {
         }
     }
 
+    /// Case RT-06 of the catalogue.
     #[test]
     fn the_bad_triangle_that_pbrt_recorded_is_missed() {
         // pbrt-v4, shapes_test.cpp, Triangle.BadCases.
@@ -243,6 +246,7 @@ mod tests {
         assert_eq!(intersect(&ray, corners), None);
     }
 
+    /// Cases RT-12, RT-13 of the catalogue.
     #[test]
     fn turning_or_mirroring_the_corners_changes_no_verdict() {
         let mut state = 3;
@@ -272,6 +276,7 @@ mod tests {
         assert!(hits > 50_000, "{hits}");
     }
 
+    /// Cases RT-04, RT-11 of the catalogue.
     #[test]
     fn the_parameter_of_a_sliver_lies_among_those_of_its_corners() {
         let mut state = 5;
@@ -296,6 +301,7 @@ mod tests {
         assert!(hits > 1000, "{hits}");
     }
 
+    /// Case RT-14 of the catalogue.
     #[test]
     fn triangles_of_any_size_are_hit_in_their_middle() {
         for exponent in -37..=17 {

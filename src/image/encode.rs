@@ -86,6 +86,7 @@ mod tests {
         }
     }
 
+    /// Cases AC-04, AC-05 of the catalogue.
     #[test]
     fn what_no_code_can_hold_is_counted_and_never_wraps() {
         let mut clipped = Clipped::default();

@@ -89,6 +89,7 @@ pub(super) fn decode(bytes: &[u8], header: &Header) -> Result<Film, String> {
 mod tests {
     use super::*;
 
+    /// Case AC-07 of the catalogue.
     #[test]
     fn rows_run_from_the_bottom_and_either_byte_order_is_read() {
         let mut big = b"PF 1 2\n2.0\n".to_vec();

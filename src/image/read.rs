@@ -185,6 +185,7 @@ mod tests {
         film.pixels.as_flattened().iter().map(|x| x.to_bits()).collect()
     }
 
+    /// Case AC-07 of the catalogue.
     #[test]
     fn exr_and_pfm_give_back_every_bit() {
         let mut film = film();

@@ -115,6 +115,7 @@ mod tests {
         assert_eq!(to_fixed(1.0), 1 << 64);
     }
 
+    /// Case AC-03 of the catalogue.
     #[test]
     fn a_sum_is_the_same_in_any_order() {
         let values: Vec<f32> = (0..1000).map(|i| ((i * 7919) % 1000) as f32 * 1e-3 * 10f32.powi(i % 9 - 4)).collect();
@@ -131,6 +132,7 @@ mod tests {
         assert_eq!(forward, sum(&mut (0..1000).map(|i| i * 617 % 1000)));
     }
 
+    /// Case AC-01 of the catalogue.
     #[test]
     fn what_is_not_finite_is_counted_and_left_out() {
         let mut a = Accumulator::default();

@@ -190,6 +190,7 @@ mod tests {
         assert_eq!(out_of_ice.beyond, into_water.beyond);
     }
 
+    /// Case AB-08 of the catalogue.
     #[test]
     fn leaving_what_was_never_entered_is_counted_and_does_not_underflow() {
         let media = drink();

@@ -290,6 +290,7 @@ mod tests {
         }
     }
 
+    /// Case LN-06 of the catalogue.
     #[test]
     fn every_operation_gives_each_lane_the_bits_of_the_scalar() {
         check("add", |a, b| a + b, |a, b| a + b);

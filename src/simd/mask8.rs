@@ -152,6 +152,7 @@ impl BitOrAssign for Mask8 {
 mod tests {
     use super::*;
 
+    /// Case LN-07 of the catalogue.
     #[test]
     fn bits_go_in_and_come_out_for_every_pattern() {
         for bits in 0..=u8::MAX {

@@ -2,6 +2,7 @@
 
 use super::*;
 
+/// Cases IO-10, IO-11 of the catalogue.
 #[cfg(unix)]
 #[test]
 fn files_outside_the_scene_and_things_that_are_no_files_are_never_read() {

@@ -2,6 +2,7 @@
 
 use super::*;
 
+/// Case IO-04 of the catalogue.
 #[test]
 fn colours_of_one_number_are_grey_and_of_two_or_none_are_refused() {
     let loaded = mtl("newmtl m\nKd 0.25\n").unwrap();
@@ -35,6 +36,7 @@ fn statements_that_are_not_understood_leave_the_rest_of_the_materials_alone() {
     warned(mtl("newmtl m\nnewmtl m\nKd 1\n"), &["a.mtl:2:", "`m`", "again"]);
 }
 
+/// Case RF-14 of the catalogue.
 #[test]
 fn an_impossible_index_is_refused_where_light_is_bent_and_ignored_elsewhere() {
     for bad in ["-1", "0", "nan", "inf", "1e-30", "1e30"] {
@@ -94,6 +96,7 @@ fn each_illumination_model_becomes_its_effect() {
     warned(mtl("newmtl m\nillum 10\n"), &["a.mtl:1:", "illum 10"]);
 }
 
+/// Case AB-10 of the catalogue.
 #[test]
 fn an_open_dielectric_is_a_warning_with_an_example() {
     warned(mtl("newmtl m\nillum 7\nNi 1.5\n"), &["a.obj:6:", "not closed", "3 open edges"]);

@@ -2,6 +2,7 @@
 
 use super::*;
 
+/// Case IO-01 of the catalogue.
 #[test]
 fn indices_that_point_nowhere_are_refused_with_their_line() {
     for (face, parts) in [
@@ -38,6 +39,7 @@ fn normals_that_the_file_does_not_have_are_a_warning() {
     assert!(mesh(&loaded, 0).normals.is_empty());
 }
 
+/// Case IO-03 of the catalogue.
 #[test]
 fn mixed_normals_leave_every_corner_with_one() {
     let text = format!("{CORNERS}v 0 0 1\nvn 0 0 2\nf 1//1 2 3\nf 1//1 2//1 3//1\nf 1 4 2\n");
@@ -50,6 +52,7 @@ fn mixed_normals_leave_every_corner_with_one() {
     assert_eq!(normals(2), [glam::Vec3::Y; 3]);
 }
 
+/// Case RV-03 of the catalogue.
 #[test]
 fn normals_without_a_direction_leave_the_face_flat() {
     for bad in ["0 0 0", "nan 0 1", "inf 0 0"] {
@@ -58,6 +61,7 @@ fn normals_without_a_direction_leave_the_face_flat() {
     }
 }
 
+/// Case IO-02 of the catalogue.
 #[test]
 fn corners_that_are_not_finite_drop_their_faces_and_are_counted() {
     for bad in ["nan 0 0", "1e999 0 0", "-infinity 0 0", "1e30 0 0"] {
@@ -68,6 +72,7 @@ fn corners_that_are_not_finite_drop_their_faces_and_are_counted() {
     }
 }
 
+/// Case IO-14 of the catalogue.
 #[test]
 fn numbers_that_are_none_are_refused_with_their_line() {
     refused(obj("v 0 0\nf 1 1 1\n"), 2, &["a.obj:1:", "`v 0 0`", "too few"]);
@@ -102,6 +107,7 @@ fn files_without_triangles_are_refused() {
     }
 }
 
+/// Cases IO-05, IO-06, IO-07 of the catalogue.
 #[test]
 fn line_endings_marks_and_continuations_are_accepted_and_counted_right() {
     let plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -127,6 +133,7 @@ fn bytes_that_are_not_utf8_are_named_by_line_and_offset() {
     refused(scene.load("a.toml"), 2, &["a.toml:2:", "0xff", "offset 16"]);
 }
 
+/// Case IO-08 of the catalogue.
 #[test]
 fn polygons_become_triangles_that_keep_their_line() {
     // Concave at its second corner: a fan from the first would overlap itself.
@@ -139,6 +146,7 @@ fn polygons_become_triangles_that_keep_their_line() {
     }
 }
 
+/// Case IO-09 of the catalogue.
 #[test]
 fn a_polygon_of_many_corners_is_cut_in_good_time_or_refused() {
     let circle: String = (0..200_000)

@@ -50,6 +50,7 @@ fn an_exr_picture_comes_back_as_written() {
     assert_eq!(picture.pixels[5], Rgb::new(2.0, 10.0, 0.5));
 }
 
+/// Case IO-12 of the catalogue.
 #[test]
 fn pictures_that_are_too_large_are_refused_before_they_are_decoded() {
     let mut huge = png(1, 1, &[0]);
@@ -70,6 +71,7 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
+/// Case IO-13 of the catalogue.
 #[test]
 fn pictures_that_are_broken_or_empty_are_refused() {
     let whole = png(64, 64, &[9; 64 * 64]);

@@ -7,6 +7,7 @@ fn wrong(table: &str, line: &str) -> vitrum::Result<Loaded> {
     toml(&format!("[{table}]\n{line}\n"))
 }
 
+/// Case IO-19 of the catalogue.
 #[test]
 fn keys_that_nobody_knows_are_refused_with_the_nearest_one() {
     refused(wrong("camera", "fvo = 40"), 2, &["a.toml:2:1:", "[camera]", "`fvo`", "`fov`"]);
@@ -22,6 +23,7 @@ fn keys_that_nobody_knows_are_refused_with_the_nearest_one() {
     refused(toml("[[mesh]]\nshape = 'spere'\n"), 2, &["a.toml:2:9:", "`sphere`"]);
 }
 
+/// Case IO-19 of the catalogue.
 #[test]
 fn toml_that_is_none_is_refused_with_line_and_column() {
     refused(toml("[camera]\neye = [0, 0\n"), 2, &["a.toml:"]);
@@ -48,6 +50,7 @@ fn values_of_the_wrong_type_say_what_they_must_be() {
     );
 }
 
+/// Case CL-01 of the catalogue.
 #[test]
 fn cameras_that_see_nothing_are_refused() {
     for fov in ["0", "180", "-40", "nan", "inf", "1e999", "179.99999999999"] {
@@ -64,6 +67,7 @@ fn cameras_that_see_nothing_are_refused() {
     refused(wrong("camera", "medium = 'water'"), 2, &["a.toml:2:10:", "`water`"]);
 }
 
+/// Cases CL-02, IO-21 of the catalogue.
 #[test]
 fn picture_settings_out_of_range_are_refused() {
     for (line, part) in [
@@ -85,6 +89,7 @@ fn picture_settings_out_of_range_are_refused() {
     refused(wrong("render", "width = 4294967295\nheight = 4294967295"), 4, &["a.toml:1:"]);
 }
 
+/// Cases RF-14, AB-02 of the catalogue.
 #[test]
 fn materials_out_of_range_are_refused() {
     let material = |lines: &str| toml(&format!("[[material]]\nname = 'a'\n{lines}\n"));
@@ -182,6 +187,7 @@ fn transforms_that_destroy_a_mesh_are_refused_by_its_name() {
     refused(toml("[[mesh]]\nshape = 'sphere'\n"), 2, &["a.toml:1:", "`material`"]);
 }
 
+/// Case IO-20 of the catalogue.
 #[test]
 fn a_scene_that_names_itself_as_a_model_is_refused() {
     refused(Folder::new().with("a.toml", "[[mesh]]\nfile = 'a.toml'\n").load("a.toml"), 2, &["a.toml", "no triangles"]);

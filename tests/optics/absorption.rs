@@ -19,6 +19,7 @@ fn a_colour_at_a_distance_comes_back_at_that_distance_and_squared_at_twice_it() 
     }
 }
 
+/// Case AB-01 of the catalogue.
 #[test]
 fn an_infinite_distance_leaves_nothing_or_everything_and_never_nan() {
     let t = transmittance(Vector3::new(0.0_f32, 1e-30, 7.0), f32::INFINITY);
@@ -27,6 +28,7 @@ fn an_infinite_distance_leaves_nothing_or_everything_and_never_nan() {
     assert_eq!(t, Vector3::new(1.0, 0.0, 0.0));
 }
 
+/// Case AB-03 of the catalogue.
 #[test]
 fn black_and_white_and_extreme_distances_give_finite_coefficients() {
     for distance in [1e-45_f32, 1.0, f32::MAX] {

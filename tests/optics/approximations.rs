@@ -69,6 +69,7 @@ fn schlicks_signed_error_on_glass_is_what_theory_says() {
     }
 }
 
+/// Case FR-07 of the catalogue.
 #[test]
 fn schlick_with_the_incident_cosine_on_the_way_out_would_be_off_by_nearly_one() {
     for (n1, n2, want, degrees) in
@@ -131,6 +132,7 @@ fn snell(n1: f64, n2: f64, degrees: f64) -> f64 {
     oracle::narrow(oracle::cos2_t(c, n1, n2)).sqrt().acos().to_degrees()
 }
 
+/// Case RF-13 of the catalogue.
 #[test]
 fn oliveiras_error_is_what_theory_says() {
     // Angle of incidence; errors in degrees for water with c = 1, 0.33, 0.46 and glass with c = 1, 0.5, 0.6645.

@@ -3,6 +3,7 @@
 use vitrum::math::Vector3;
 use vitrum::optics::{Boundary, RefractionFormula, SlidesVector, polarised_as_printed};
 
+/// Case FR-01 of the catalogue.
 #[test]
 fn without_the_half_glass_would_reflect_eight_percent_and_create_light() {
     let boundary = Boundary::<f64>::new(1.0, 1.5);

@@ -13,6 +13,7 @@ fn cosine(degrees: f64) -> f32 {
     degrees.to_radians().cos() as f32
 }
 
+/// Case FR-17 of the catalogue.
 #[test]
 fn mitsubas_golden_values_come_out() {
     // Mitsuba 3, test_fresnel.py (after hyperphysics.phy-astr.gsu.edu) and test_dielectric.py.
@@ -39,6 +40,7 @@ fn mitsubas_golden_values_come_out() {
     }
 }
 
+/// Case FR-03 of the catalogue.
 #[test]
 fn glass_reflects_four_percent_head_on_and_all_at_grazing() {
     assert!((exact(1.0, 1.5, 1.0_f32) - 0.04).abs() < 1e-8);
@@ -48,6 +50,7 @@ fn glass_reflects_four_percent_head_on_and_all_at_grazing() {
     assert_eq!(exact(1.5, 1.0, 0.0_f32), 1.0);
 }
 
+/// Cases FR-03, FR-10 of the catalogue.
 #[test]
 fn at_brewsters_angle_the_parallel_part_vanishes() {
     for (n1, n2) in [(1.0, 1.5), (1.5, 1.0), (1.0, 1.33), (2.42, 1.0), (1.0, 1.0003)] {
@@ -63,6 +66,7 @@ fn at_brewsters_angle_the_parallel_part_vanishes() {
     }
 }
 
+/// Case FR-02 of the catalogue.
 #[test]
 fn equal_indices_reflect_exactly_nothing_by_any_formula() {
     for n in [1.0, 1.33, 1.5, 2.42] {
@@ -78,6 +82,7 @@ fn equal_indices_reflect_exactly_nothing_by_any_formula() {
     }
 }
 
+/// Case FR-12 of the catalogue.
 #[test]
 fn reflectance_and_transmittance_add_up_to_one_to_the_bit() {
     let mut rng = Rng::new(7);
@@ -99,6 +104,7 @@ fn reflectance_and_transmittance_add_up_to_one_to_the_bit() {
     }
 }
 
+/// Case FR-11 of the catalogue.
 #[test]
 fn reflectance_is_the_same_from_both_sides() {
     let mut worst = 0.0_f64;
@@ -126,6 +132,7 @@ fn reflectance_is_the_same_from_both_sides() {
     assert!(worst <= 2e-6, "{worst:e}");
 }
 
+/// Case FR-09 of the catalogue.
 #[test]
 fn reflectance_rises_with_the_angle_up_to_index_ratio_three_point_seven() {
     let sweep = |n: f64| (0..=20_000).map(move |k| exact(1.0, n, 1.0 - f64::from(k) / 20_000.0));
@@ -144,6 +151,7 @@ fn reflectance_rises_with_the_angle_up_to_index_ratio_three_point_seven() {
     }
 }
 
+/// Case FR-04 of the catalogue.
 #[test]
 fn cosines_that_rounding_put_outside_count_as_the_nearer_end() {
     for (n1, n2) in super::fresnel_accuracy::PAIRS {
@@ -155,6 +163,7 @@ fn cosines_that_rounding_put_outside_count_as_the_nearer_end() {
     }
 }
 
+/// Case FR-08 of the catalogue.
 #[test]
 fn reflectance_reaches_one_without_a_step_at_the_critical_angle() {
     for n1 in [1.33, 1.5, 2.42] {

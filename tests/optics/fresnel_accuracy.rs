@@ -46,6 +46,7 @@ fn critical_cosine(n1: f64, n2: f64) -> f64 {
     if n1 > n2 { critical_angle(n1, n2).cos() } else { 0.0 }
 }
 
+/// Cases FR-05, LN-10 of the catalogue.
 #[test]
 fn unpolarised_reflectance_is_within_its_bound_of_itself_everywhere() {
     println!("relative error of R    stable   as printed, halved");
@@ -74,6 +75,7 @@ fn unpolarised_reflectance_is_within_its_bound_of_itself_everywhere() {
     }
 }
 
+/// Case FR-06 of the catalogue.
 #[test]
 fn the_rows_near_the_critical_angle_keep_their_digits() {
     let mut rng = Rng::new(0xc417);

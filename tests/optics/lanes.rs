@@ -152,6 +152,7 @@ fn awkward(rng: &mut Rng) -> f32 {
     }
 }
 
+/// Case LN-09 of the catalogue.
 #[test]
 fn sound_inputs_give_each_lane_the_bits_of_the_scalar() {
     let mut rng = Rng::new(31);
@@ -160,6 +161,7 @@ fn sound_inputs_give_each_lane_the_bits_of_the_scalar() {
     }
 }
 
+/// Case LN-09 of the catalogue.
 #[test]
 fn awkward_inputs_give_each_lane_the_bits_of_the_scalar_and_spoil_no_neighbour() {
     let mut rng = Rng::new(32);
@@ -176,6 +178,7 @@ fn awkward_inputs_give_each_lane_the_bits_of_the_scalar_and_spoil_no_neighbour()
     }
 }
 
+/// Case RF-08 of the catalogue.
 #[test]
 fn a_packet_knows_total_reflection_lane_by_lane() {
     let boundary = Boundary::<F32x8>::new(1.5, 1.0);

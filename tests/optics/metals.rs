@@ -15,6 +15,7 @@ const METALS: [(&str, f32, f32, f64); 6] = [
     ("chromium", 3.135, 3.31, 0.197),
 ];
 
+/// Case FR-14 of the catalogue.
 #[test]
 fn a_metals_reflectance_is_within_its_bound_of_the_oracle() {
     let mut worst = 0.0_f64;
@@ -31,6 +32,7 @@ fn a_metals_reflectance_is_within_its_bound_of_the_oracle() {
     println!("metals: {worst:.1e} of themselves");
 }
 
+/// Case FR-14 of the catalogue.
 #[test]
 fn schlicks_largest_error_on_metals_is_of_the_size_theory_says() {
     for (name, eta, k, want) in METALS {
@@ -47,6 +49,7 @@ fn schlicks_largest_error_on_metals_is_of_the_size_theory_says() {
     }
 }
 
+/// Case FR-15 of the catalogue.
 #[test]
 fn a_metal_that_absorbs_nothing_is_the_dielectric() {
     for (n1, n2) in [(1.0, 1.5), (1.0, 1.33), (1.0, 2.42), (1.5, 1.0), (2.0, 1.0)] {

@@ -21,6 +21,7 @@ fn surface(rng: &mut Rng, sine: f64) -> (Vector3<f32>, Vector3<f32>, Vector3<f32
     (i, g, narrow(s))
 }
 
+/// Cases RV-04, RV-05 of the catalogue.
 #[test]
 fn the_mirror_direction_about_a_consistent_normal_rises() {
     let mut rng = Rng::new(21);
@@ -74,6 +75,7 @@ fn a_normal_that_needs_no_bending_comes_back_to_the_bit() {
     }
 }
 
+/// Case RV-03 of the catalogue.
 #[test]
 fn degenerate_inputs_give_a_finite_normal_of_unit_length() {
     let g = Vector3::new(0.0_f32, 0.0, 1.0);

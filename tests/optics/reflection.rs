@@ -11,6 +11,7 @@ fn pair(rng: &mut Rng) -> (Vector3<f32>, Vector3<f32>) {
     (to_f32(i), to_f32(n))
 }
 
+/// Cases RV-01, RV-07 of the catalogue.
 #[test]
 fn known_mirror_directions_come_out_to_the_bit() {
     let (s, c) = (0.6_f32, 0.8_f32);
@@ -24,6 +25,7 @@ fn known_mirror_directions_come_out_to_the_bit() {
     }
 }
 
+/// Case RV-06 of the catalogue.
 #[test]
 fn the_mirror_direction_is_within_its_bounds() {
     let mut rng = Rng::new(1);
@@ -51,6 +53,7 @@ fn the_mirror_direction_is_within_its_bounds() {
     assert!(involution <= 1e-6, "involution {involution:e}");
 }
 
+/// Case RV-02 of the catalogue.
 #[test]
 fn length_drifts_no_further_than_stated_and_not_at_all_when_renormalised() {
     let mut rng = Rng::new(2);
@@ -78,6 +81,7 @@ fn length_drifts_no_further_than_stated_and_not_at_all_when_renormalised() {
     assert!(renormalised <= 1.9e-7, "{renormalised:e}");
 }
 
+/// Case RV-01 of the catalogue.
 #[test]
 fn the_printed_formula_for_an_incident_vector_grows_it_up_to_threefold() {
     // v + 2 (n . v) n is right only for a v that points back along the ray, and then it is -reflect(-v).

@@ -96,6 +96,7 @@ fn rows() -> Vec<Row> {
     ]
 }
 
+/// Cases RF-01, RF-04, RF-05, RF-06 of the catalogue.
 #[test]
 fn every_formula_keeps_its_bound_in_every_case() {
     println!("largest angle to the oracle [rad]     trig     Heckbert Bec      slides   stable   (length)  misjudged");
@@ -135,6 +136,7 @@ fn for_refracted_rays(mut check: impl FnMut(f64, f64, Vector3<f32>, Vector3<f32>
     }
 }
 
+/// Cases RF-11, RF-12 of the catalogue.
 #[test]
 fn snell_holds_and_the_three_vectors_lie_in_one_plane() {
     let (mut residual, mut out_of_plane) = (0.0_f64, 0.0_f64);
@@ -150,6 +152,7 @@ fn snell_holds_and_the_three_vectors_lie_in_one_plane() {
     assert!(out_of_plane <= 3e-7, "det(i, n, t) = {out_of_plane:e}");
 }
 
+/// Case RF-10 of the catalogue.
 #[test]
 fn light_goes_back_the_way_it_came() {
     let mut worst = 0.0_f64;
@@ -170,6 +173,7 @@ fn light_goes_back_the_way_it_came() {
     assert!(worst <= 1e-6, "{worst:e}");
 }
 
+/// Case RF-07 of the catalogue.
 #[test]
 fn equal_indices_bend_nothing_to_the_bit() {
     let mut rng = Rng::new(4);
@@ -206,6 +210,7 @@ fn thirty_degrees_into_glass_and_out_of_it_are_the_textbook_angles() {
     }
 }
 
+/// Cases RF-02, RF-03 of the catalogue.
 #[test]
 fn head_on_goes_straight_even_where_the_cosine_rounds_above_one() {
     let mut rng = Rng::new(5);
@@ -224,6 +229,7 @@ fn head_on_goes_straight_even_where_the_cosine_rounds_above_one() {
     assert!(above > 1000, "the case must occur: {above}");
 }
 
+/// Cases RF-05, LN-10 of the catalogue.
 #[test]
 fn whether_reflection_is_total_is_decided_exactly_where_products_are_fused() {
     for (n1, n2) in [(1.5, 1.0), (1.33, 1.0), (2.42, 1.0), (1.5, 1.33), (1.000_293, 1.000_277), (1.0 + ULP, 1.0)] {

@@ -129,6 +129,7 @@ fn absorption_in_a_slab_is_beer_lambert() {
     close(oblique, (-0.25 * 2.0 / angle.cos()).exp(), 2e-12);
 }
 
+/// Case AB-01 of the catalogue.
 #[test]
 fn light_that_never_leaves_an_absorbing_medium_is_gone_and_no_nan() {
     let mut scene = empty();

@@ -57,6 +57,7 @@ fn a_spot_light_fades_smoothly_from_its_inner_to_its_outer_cone() {
     close(seen(0.95, 0.7), full * s * s * (3.0 - 2.0 * s), 1e-6);
 }
 
+/// Case CL-08 of the catalogue.
 #[test]
 fn a_light_behind_either_normal_gives_nothing() {
     let mut scene = floor(LightKind::Point { position: Vec3::new(0.0, -4.0, 0.0) }, Falloff::None);
@@ -126,6 +127,7 @@ fn opaque_things_cast_shadows_and_lights_may_cast_none() {
     close(seen(&scene), UNSHADED, 1e-15);
 }
 
+/// Case CL-06 of the catalogue.
 #[test]
 fn glass_casts_the_shadow_that_the_rule_says() {
     let glass = [(in_the_way(), dielectric(1))];
@@ -187,6 +189,7 @@ fn a_light_under_water_shines_through_what_lies_between_and_no_farther() {
     close(seen(&scene), UNSHADED * absorbed, 1e-7);
 }
 
+/// Case CL-04 of the catalogue.
 #[test]
 fn a_light_that_stands_on_the_surface_is_left_out_and_counted() {
     let scene = floor(LightKind::Point { position: Vec3::ZERO }, Falloff::InverseSquare);

@@ -110,6 +110,7 @@ fn an_eye_under_water_sees_the_sky_through_snells_window_and_nothing_beside_it()
     }
 }
 
+/// Case AB-09 of the catalogue.
 #[test]
 fn the_media_around_the_eye_are_found_through_what_lies_in_between() {
     // An eye in an air bubble (a medium of its own) in a drop in a tank.

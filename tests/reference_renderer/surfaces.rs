@@ -210,6 +210,7 @@ fn an_interpolated_normal_never_sends_light_through_the_surface() {
     }
 }
 
+/// Case RF-09 of the catalogue.
 #[test]
 fn what_is_refracted_about_an_interpolated_normal_ends_up_below_the_surface() {
     for lean in [0.5, 1.0, 1.3, 1.5] {
@@ -233,6 +234,7 @@ fn what_is_refracted_about_an_interpolated_normal_ends_up_below_the_surface() {
     }
 }
 
+/// Case CL-05 of the catalogue.
 #[test]
 fn no_light_from_behind_the_true_surface_is_let_in_by_an_interpolated_normal() {
     let mut scene = leaning(1.2, Interface::Opaque);

@@ -144,6 +144,7 @@ mod tests {
         }
     }
 
+    /// Cases BB-05, TR-01 of the catalogue.
     #[test]
     fn no_tree_is_deeper_than_the_stacks_allow_however_late_it_is_noticed() {
         // Each box twice as far away and twice as large as the last: the heuristic cuts off a few at a time.

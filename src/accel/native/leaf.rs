@@ -195,6 +195,7 @@ mod tests {
         }
     }
 
+    /// Case TR-03 of the catalogue.
     #[test]
     fn of_equal_hits_the_lower_id_stays_whichever_comes_first() {
         for ids in [[(0, 5), (1, 0)], [(2, 3), (2, 4)]] {

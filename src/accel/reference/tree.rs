@@ -196,6 +196,7 @@ mod tests {
         assert!(unit.entry(&beside(60.0), EXACT, f64::INFINITY).is_none());
     }
 
+    /// Case RB-03 of the catalogue.
     #[test]
     fn flat_boxes_and_rays_along_their_faces_are_entered_whatever_the_sign_of_zero() {
         let flat = Box64 { lo: DVec3::ZERO, hi: DVec3::new(1.0, 1.0, 0.0) };

@@ -129,6 +129,7 @@ mod tests {
         (triangles.clone(), parts.iter().sum(), whole.length())
     }
 
+    /// Case IO-08 of the catalogue.
     #[test]
     fn a_concave_quad_does_not_overlap_itself_whatever_plane_and_first_corner() {
         let dart = [[0.0, 0.0], [2.0, -1.0], [0.5, 0.0], [2.0, 1.0]];

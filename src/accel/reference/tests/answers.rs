@@ -151,6 +151,7 @@ fn no_ray_aimed_at_a_corner_or_an_edge_slips_into_a_closed_ball() {
     }
 }
 
+/// Case RT-07 of the catalogue.
 #[test]
 fn an_edge_on_triangle_and_a_collinear_one_are_not_met() {
     let world = Reference::build(&[triangle(), mesh(vec![Vec3::ZERO, Vec3::X, Vec3::X * 2.0], vec![[0, 1, 2]])]);
