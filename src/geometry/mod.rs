@@ -6,6 +6,7 @@ mod mesh;
 pub(crate) mod plane;
 mod ray;
 pub(crate) mod slab;
+mod spawn;
 pub(crate) mod sphere;
 pub(crate) mod triangle;
 
@@ -14,6 +15,7 @@ pub use hit::{Hit, Hit8, NO_GEOMETRY};
 pub use mesh::TriMesh;
 pub use plane::Plane;
 pub use ray::{Ray, Ray8};
+pub use spawn::Spot;
 pub use sphere::Sphere;
 pub use triangle::intersect as intersect_triangle;
 

@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 
 use super::media::StackId;
 use super::queue::{Chunk, Rgb8};
-use crate::geometry::{Hit, Hit8, Shape};
-use crate::math::{LaneMask, Real, gamma};
+use crate::geometry::{Hit, Hit8, Shape, Spot};
+use crate::math::{LaneMask, Real};
 use crate::optics::consistent_normal;
 use crate::scene::Scene;
 use crate::simd::{F32x8, Mask8, Vec3x8};
@@ -149,6 +149,10 @@ struct Place {
 }
 
 impl Place {
+    fn flat(Spot { point, outward, reach }: Spot<F32x8>) -> Self {
+        Self { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
+    }
+
     fn of(scene: &Scene, hit: &[Hit; 8], origin: Vec3x8, dir: Vec3x8, t: F32x8) -> Self {
         let mut corners = [Vec3x8::splat(Vec3::ZERO), Vec3x8::splat(Vec3::X), Vec3x8::splat(Vec3::Y)];
         let mut corner_normals = [Vec3x8::splat(Vec3::Z); 3];
@@ -186,7 +190,7 @@ impl Place {
             }
         }
 
-        let mut place = on_triangles(corners, u, v);
+        let mut place = Self::flat(Spot::on_triangle(corners, u, v));
         if smooth != 0 {
             let mixed = corner_normals[0] * (F32x8::ONE - u - v) + corner_normals[1] * u + corner_normals[2] * v;
             // Opposed corner normals can cancel; the geometric one stands in there.
@@ -195,98 +199,17 @@ impl Place {
             place.interpolated = usable;
         }
         if spheres != 0 {
-            place.replace(Mask8::from_bits(spheres), on_spheres(anchor, radius, dir.fma(t, origin)));
+            place.replace(Mask8::from_bits(spheres), &Spot::on_sphere(anchor, radius, dir.fma(t, origin)));
         }
         if planes != 0 {
-            place.replace(Mask8::from_bits(planes), on_planes(anchor, axis, dir.fma(t, origin)));
+            place.replace(Mask8::from_bits(planes), &Spot::on_plane(anchor, axis, dir.fma(t, origin)));
         }
         place
     }
 
-    fn replace(&mut self, lanes: Mask8, other: Self) {
+    fn replace(&mut self, lanes: Mask8, other: &Spot<F32x8>) {
         self.point = Vec3x8::select(lanes, other.point, self.point);
         self.outward = Vec3x8::select(lanes, other.outward, self.outward);
         self.reach = Real::select(lanes, other.reach, self.reach);
-    }
-}
-
-/// Points from barycentrics. `reach` covers both what rounding can put the point off the plane (seven operations,
-/// pbrt section 6.8.4, and two for the offset itself) and what rounding in the intersection test can move a triangle
-/// of this size: four units of the longest edge, as many times more as the triangle is longer than high, because the
-/// test's weights are quotients by its area.
-fn on_triangles([a, b, c]: [Vec3x8; 3], u: F32x8, v: F32x8) -> Place {
-    let w = F32x8::ONE - u - v;
-    let point = c.fma(v, b.fma(u, a * w));
-    let magnitude = c.abs().fma(v, b.abs().fma(u, a.abs() * w));
-    let (e1, e2) = (b - a, c - a);
-    let size = e1.abs().max_component().max(e2.abs().max_component());
-    // Scaled to size 1, so that the product of tiny edges does not underflow.
-    let scale = F32x8::ONE / size;
-    let spanned = (e1 * scale).cross(e2 * scale);
-    let thickness = spanned.length();
-    let outward = spanned * (F32x8::ONE / thickness);
-    let reach = outward.abs().dot(magnitude) * F32x8::from(gamma(9)) + size * F32x8::from(gamma(4)) / thickness;
-    Place { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
-}
-
-/// Points pulled back onto the sphere: centre plus radius times unit normal.
-fn on_spheres(centre: Vec3x8, radius: F32x8, near: Vec3x8) -> Place {
-    let outward = (near - centre).normalized();
-    let point = outward.fma(radius, centre);
-    let reach = outward.abs().dot(centre.abs()) * F32x8::from(gamma(5)) + radius * F32x8::from(gamma(8));
-    Place { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
-}
-
-/// Points pulled back onto the plane along its normal.
-fn on_planes(anchor: Vec3x8, axis: Vec3x8, near: Vec3x8) -> Place {
-    let height = (near - anchor).dot(axis);
-    let point = axis.fma(-height, near);
-    let reach = axis.abs().dot(point.abs() + anchor.abs()) * F32x8::from(gamma(9));
-    Place { point, outward: axis, shading: axis, interpolated: Mask8::NONE, reach }
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::DVec3;
-
-    use super::*;
-
-    /// RT-15, RT-16, SI-04: over places up to 1e6 and triangles up to a thousand times longer than high, the point lies
-    /// on the triangle's plane well within `reach`, and the normal is as right as corners of that rounding let it be.
-    #[test]
-    fn points_and_normals_of_triangles_are_within_their_bounds() {
-        let mut state = 77_u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
-        };
-        let u = f64::from(crate::math::UNIT_ROUNDOFF);
-        for i in 0..40_000_i32 {
-            let place = DVec3::new(random(), random(), random()) * [0.0, 1.0, 1e3, 1e6][i as usize % 4];
-            let size = [1.0, 30.0, 1e3][i as usize / 4 % 3] * if i % 4 == 3 { 30.0 } else { 1.0 };
-            let (along, aside) = (DVec3::new(random(), random(), random()), DVec3::new(random(), random(), random()));
-            let thin = [1.0, 0.1, 1e-3][i as usize / 12 % 3];
-            // The corner from which the edges are taken is any of the three.
-            let offsets = [DVec3::ZERO, along, along * random().abs() + aside * thin];
-            let turn = i as usize % 3;
-            let corners = [0, 1, 2].map(|k| (place + offsets[(k + turn) % 3] * size).as_vec3());
-            let [a, b, c] = corners.map(|p| p.as_dvec3());
-            let spanned = (b - a).cross(c - a);
-            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-            let height = spanned.length() / longest;
-            if height < 1e-4 * longest {
-                continue;
-            }
-            let (x, y) = (random().abs(), random().abs());
-            let (x, y) = if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) };
-            let spread = |p: Vec3| Vec3x8::splat(p);
-            let at = on_triangles(corners.map(spread), F32x8::from(x as f32), F32x8::from(y as f32));
-            let (point, outward) = (at.point.lane(0).as_dvec3(), at.outward.lane(0).as_dvec3());
-            let (normal, reach) = (spanned.normalize(), f64::from(at.reach.lane(0)));
-            let off = (point - a).dot(normal).abs();
-            assert!(off <= reach, "{off:e} beyond {reach:e}: {corners:?}");
-            let angle = outward.cross(normal).length().atan2(outward.dot(normal));
-            assert!(angle <= 8.0 * u * longest / height, "{angle:e} off, {longest} by {height}: {corners:?}");
-        }
     }
 }
