@@ -14,7 +14,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("image", &[]),
     ("load", &["scene", "geometry", "image", "optics", "math"]),
     ("render", &["scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("trial", &["accel", "geometry", "simd", "math"]),
+    ("trial", &["render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("cli", &["trial", "load", "render", "accel", "image", "scene", "optics", "simd"]),
 ];
 

@@ -14,6 +14,7 @@ mod progress;
 mod render;
 mod summary;
 mod table;
+mod verify;
 mod view;
 
 use std::process::ExitCode;
@@ -59,6 +60,7 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Render(args) => render::run(options::Render::try_from(args)?),
         Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
         Command::Parity(args) => parity::run(&options::Parity::from(args)),
+        Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }

@@ -1,4 +1,5 @@
-//! Trials: back ends side by side on the same rays. Knows shapes and accelerators, neither scenes nor materials.
+//! Trials: back ends side by side on the same rays, and the hard cases fired at each. All but `verify`, which also
+//! renders, knows shapes and accelerators, neither scenes nor materials.
 
 pub mod agree;
 pub mod contender;
@@ -14,6 +15,7 @@ pub mod run;
 pub mod team;
 pub mod text;
 pub mod timing;
+pub mod verify;
 
 pub use machine::Machine;
 pub use rays::{Picture, RayKind, RaySet, View};

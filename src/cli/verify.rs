@@ -1,0 +1,247 @@
+//! `vitrum verify`.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::options::Verify;
+use super::table::grouped;
+use super::{Verdict, interrupt, output, progress};
+use crate::load::{self, LoadOptions};
+use crate::render::Observer;
+use crate::scene::Scene;
+use crate::simd::level;
+use crate::trial::verify::{self, Candidate, Finding, NativePath, Plan, Trouble};
+use crate::{Error, Result};
+
+/// Troubles told one by one, of each kind, outside JSON.
+const TOLD: usize = 8;
+
+/// The result, as JSON has it.
+#[derive(serde::Serialize)]
+struct Report {
+    version: &'static str,
+    simd: &'static str,
+    threads: usize,
+    scene: Option<String>,
+    full: bool,
+    holds: bool,
+    groups: Vec<Row>,
+    /// What is wrong with the scene's triangles.
+    troubles: Vec<TroubleRow>,
+}
+
+#[derive(serde::Serialize)]
+struct Row {
+    group: &'static str,
+    /// None where the group is of formulas alone.
+    path: Option<&'static str>,
+    cases: u64,
+    failures: u64,
+    holds: bool,
+    /// What the figure is.
+    figure: Option<&'static str>,
+    worst: Option<f64>,
+    bound: Option<f64>,
+    seconds: f64,
+    /// The first few failures.
+    examples: Vec<String>,
+}
+
+#[derive(serde::Serialize)]
+struct TroubleRow {
+    kind: &'static str,
+    file: String,
+    line: u32,
+    object: String,
+    triangle: u32,
+    message: String,
+}
+
+/// Runs the groups, prints the table.
+pub(super) fn run(job: &Verify) -> Result<Verdict> {
+    let observer = Arc::new(Observer::default());
+    interrupt::listen(&observer)?;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(job.threads)
+        .build_global()
+        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", job.threads)))?;
+    let scene = match &job.scene {
+        Some(path) => Some(load::scene(path, &LoadOptions::default())?.scene),
+        None => None,
+    };
+    let paths = usize::from(job.native) + 2 * usize::from(job.embree);
+    let (findings, troubles) = progress::follow(&observer, job.plan.parts(paths), !job.quiet, || {
+        interrupt::heeded(|| -> Result<_> {
+            let findings = fire(job, scene.as_ref(), &observer)?;
+            Ok((findings, scene.as_ref().map(verify::find_trouble).unwrap_or_default()))
+        })
+    })?;
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        simd: level::BUILT,
+        threads: rayon::current_num_threads(),
+        scene: job.scene.as_ref().map(|p| p.display().to_string()),
+        full: job.plan.full,
+        // Trouble with triangles is told, and no failure: a scene may well have them and be rendered right.
+        holds: findings.iter().all(Finding::holds),
+        groups: findings.iter().map(Row::of).collect(),
+        troubles: troubles.iter().map(TroubleRow::of).collect(),
+    };
+    if job.json {
+        output::print_json(&report)?;
+    } else if !job.quiet {
+        output::print(&report.text())?;
+    }
+    Ok(if report.holds { Verdict::Done } else { Verdict::Negative })
+}
+
+fn fire(job: &Verify, scene: Option<&Scene>, observer: &Observer) -> Result<Vec<Finding>> {
+    let mut findings = if scene.is_none() { verify::fire_at_optics(&job.plan, observer)? } else { Vec::new() };
+    if job.native {
+        findings.extend(fire_at(&NativePath, &job.plan, scene, observer)?);
+    }
+    #[cfg(feature = "embree")]
+    if job.embree {
+        use crate::accel::embree::Mode;
+        for mode in [Mode::Robust, Mode::Fast] {
+            findings.extend(fire_at(&verify::EmbreePath(mode), &job.plan, scene, observer)?);
+        }
+    }
+    // The paths of a group side by side, in the order asked for.
+    let place = |f: &Finding| job.plan.groups.iter().position(|&g| g == f.group);
+    findings.sort_by_key(place);
+    Ok(findings)
+}
+
+fn fire_at<C: Candidate>(
+    candidate: &C,
+    plan: &Plan,
+    scene: Option<&Scene>,
+    observer: &Observer,
+) -> Result<Vec<Finding>> {
+    match scene {
+        Some(scene) => verify::fire_at_scene(candidate, scene, plan, observer),
+        None => verify::fire_at_path(candidate, plan, observer),
+    }
+}
+
+impl Row {
+    fn of(f: &Finding) -> Self {
+        let worst = f.tally.worst.as_ref();
+        Self {
+            group: f.group.name(),
+            path: f.path,
+            cases: f.tally.cases,
+            failures: f.tally.failures,
+            holds: f.holds(),
+            figure: worst.map(|w| w.what),
+            // JSON knows no NaN.
+            worst: worst.map(|w| w.value).filter(|x| x.is_finite()),
+            bound: worst.and_then(|w| w.bound),
+            seconds: f.time.as_secs_f64(),
+            examples: f.tally.examples.clone(),
+        }
+    }
+
+    fn cells(&self) -> [String; 8] {
+        let figure = |x: f64| if x >= 1.0 { format!("{x:.1}") } else { format!("{x:.2e}") };
+        [
+            self.group.to_owned(),
+            self.path.unwrap_or("-").to_owned(),
+            grouped(self.cases),
+            grouped(self.failures),
+            self.worst.map_or(String::from(if self.figure.is_some() { "NaN" } else { "-" }), figure),
+            self.bound.map_or(String::from("-"), figure),
+            format!("{:.1} s", self.seconds),
+            self.figure.unwrap_or_default().to_owned(),
+        ]
+    }
+}
+
+impl TroubleRow {
+    fn of(t: &Trouble) -> Self {
+        Self {
+            kind: t.kind.name(),
+            file: t.place.file.clone(),
+            line: t.place.line,
+            object: t.place.object.clone(),
+            triangle: t.place.triangle,
+            message: t.to_string(),
+        }
+    }
+}
+
+impl Report {
+    /// As text of several lines.
+    fn text(&self) -> String {
+        let head = ["group", "path", "cases", "failures", "worst", "bound", "time", "figure"].map(String::from);
+        let rows: Vec<[String; 8]> = [head].into_iter().chain(self.groups.iter().map(Row::cells)).collect();
+        let widths: [usize; 8] = std::array::from_fn(|c| rows.iter().map(|r| r[c].len()).max().unwrap_or(0));
+        let mut lines: Vec<String> = rows.iter().map(|row| aligned(row, &widths)).collect();
+        for row in self.groups.iter().filter(|r| !r.examples.is_empty()) {
+            lines.push(format!("\n{}, {}:", row.group, row.path.unwrap_or("all paths")));
+            lines.extend(row.examples.iter().map(|e| format!("  {e}")));
+        }
+        let mut kinds: BTreeMap<&str, Vec<&TroubleRow>> = BTreeMap::new();
+        for t in &self.troubles {
+            kinds.entry(t.kind).or_default().push(t);
+        }
+        for (kind, troubles) in kinds {
+            lines.push(format!("\n{kind}: {}", grouped(troubles.len() as u64)));
+            lines.extend(troubles.iter().take(TOLD).map(|t| format!("  {}", t.message)));
+            if troubles.len() > TOLD {
+                lines.push(format!("  and {} more; --json has all", grouped((troubles.len() - TOLD) as u64)));
+            }
+        }
+        lines.push(format!(
+            "\n{}: {}, {} threads",
+            if self.holds { "holds" } else { "FALLS SHORT" },
+            self.simd,
+            self.threads
+        ));
+        lines.join("\n") + "\n"
+    }
+}
+
+/// Names to the left, figures to the right.
+fn aligned(row: &[String; 8], widths: &[usize; 8]) -> String {
+    let cell = |c: usize| {
+        let (text, width) = (&row[c], widths[c]);
+        if c < 2 || c == 7 { format!("{text:<width$}") } else { format!("{text:>width$}") }
+    };
+    (0..8).map(cell).collect::<Vec<_>>().join("  ").trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::trial::verify::{Group, Tally, Worst};
+
+    #[test]
+    fn a_group_that_falls_short_is_told_with_its_figures() {
+        let worst = Some(Worst { what: "relative error of R", value: 2e-6, bound: Some(1.2e-6) });
+        let tally = Tally { cases: 12_345, failures: 1, worst, examples: vec![String::from("1 to 1.5")] };
+        let finding = Finding { group: Group::Fresnel, path: None, tally, time: Duration::from_millis(250) };
+        assert!(!finding.holds());
+        let report = Report {
+            version: "0",
+            simd: "none",
+            threads: 2,
+            scene: None,
+            full: false,
+            holds: finding.holds(),
+            groups: vec![Row::of(&finding)],
+            troubles: Vec::new(),
+        };
+        let text = report.text();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "group    path   cases  failures    worst    bound   time  figure");
+        assert_eq!(lines[1], "fresnel  -     12 345         1  2.00e-6  1.20e-6  0.2 s  relative error of R");
+        assert_eq!(lines[3..5], ["fresnel, all paths:", "  1 to 1.5"]);
+        assert_eq!(lines.last(), Some(&"FALLS SHORT: none, 2 threads"));
+        let none = Finding { tally: Tally::default(), ..finding };
+        assert!(!none.holds(), "what was not tried is not said to hold");
+    }
+}

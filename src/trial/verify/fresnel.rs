@@ -1,0 +1,81 @@
+//! Unpolarised reflectance, eight cosines at a time as the renderer asks for it, against the oracle.
+
+use super::sample::Rng;
+use super::{Plan, Tally, oracle};
+use crate::math::FUSED;
+use crate::optics::{Boundary, Exact, FresnelFormula};
+use crate::simd::F32x8;
+
+const ULP: f64 = f32::EPSILON as f64;
+
+/// Indices on the way in and out of glass, water and diamond, between glass and water, and all but equal ones.
+pub(super) const PAIRS: [(f64, f64); 12] = [
+    (1.0, 1.5),
+    (1.5, 1.0),
+    (1.0, 1.33),
+    (1.33, 1.0),
+    (1.0, 2.42),
+    (2.42, 1.0),
+    (1.33, 1.5),
+    (1.5, 1.33),
+    (1.0, 1.0003),
+    (1.000_293, 1.000_277),
+    (1.0, 1.0 + ULP),
+    (1.0 + ULP, 1.0),
+];
+
+/// Batches that a pair of indices is spread over.
+const PARTS: usize = 4;
+
+/// The stated relative error. Without fused products `cos_i^2` is rounded before the critical cosine is taken from it.
+pub(super) fn bound(past_critical: f64) -> f64 {
+    if FUSED { 1.2e-6 } else { 1.2e-6 + 4e-7 / past_critical.max(1e-7).sqrt() }
+}
+
+/// The cosine below which all light is reflected; 0 where there is none.
+pub(super) fn critical_cosine(n1: f64, n2: f64) -> f64 {
+    let sine = n2 / n1;
+    if sine < 1.0 { (1.0 - sine * sine).sqrt() } else { 0.0 }
+}
+
+/// A cosine from one of four crowds: all angles, near normal, grazing, near critical.
+pub(super) fn cosine(rng: &mut Rng, critical: f64) -> f32 {
+    let small = 10.0_f64.powf(rng.between(-8.0, -3.0));
+    let c = match rng.below(4) {
+        0 => rng.unit(),
+        1 => 1.0 - small,
+        2 => small,
+        _ => critical + small,
+    };
+    c.min(1.0) as f32
+}
+
+pub(super) fn batches(_plan: &Plan) -> usize {
+    PAIRS.len() * PARTS
+}
+
+pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
+    let (n1, n2) = PAIRS[i / PARTS];
+    let boundary = Boundary::<F32x8>::new(n1, n2);
+    let critical = critical_cosine(n1, n2);
+    let mut rng = Rng::new("fresnel", i);
+    let mut tally = Tally::default();
+    for _ in 0..plan.sized(1_000_000, 20_000) / PARTS as u64 / 8 {
+        let cosines = F32x8::from_fn(|_| cosine(&mut rng, critical));
+        let at = boundary.cross(cosines);
+        let got = Exact::dielectric(&boundary, &at);
+        for lane in 0..8 {
+            let (c, got) = (cosines.lane(lane), got.lane(lane));
+            let want = oracle::reflectance(c, n1, n2);
+            let error = (f64::from(got) - want).abs() / want;
+            let allowed = bound(f64::from(c) - critical);
+            tally.measure("relative error of R", error, allowed, || {
+                format!("{n1} to {n2} at cosine {c:e}: reflects {got:e}, not {want:e}")
+            });
+            if !(0.0..=1.0).contains(&got) {
+                tally.fail(|| format!("{n1} to {n2} at cosine {c:e}: reflects {got:e}, outside 0 to 1"));
+            }
+        }
+    }
+    tally
+}

@@ -1,0 +1,173 @@
+//! The hard cases, fired at this machine: does each path lose no ray, meet no surface twice, keep its bits whatever
+//! the company, and do the optics keep the bounds that they state?
+//!
+//! Every group is a number of batches, each with a random stream of its own, so that the outcome does not depend on
+//! the number of threads.
+
+mod builds;
+mod candidate;
+mod chains;
+mod double;
+mod fresnel;
+mod group;
+mod lanes;
+mod leaks;
+mod matched;
+mod meshes;
+mod oracle;
+mod reflection;
+mod refraction;
+mod sample;
+mod scene;
+mod self_hits;
+mod tally;
+mod traversal;
+mod trouble;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+#[cfg(feature = "embree")]
+pub use candidate::EmbreePath;
+pub use candidate::{Candidate, Held, NativePath, Way};
+pub use group::Group;
+pub use scene::fire as fire_at_scene;
+pub use tally::{Tally, Worst};
+pub use trouble::{Kind, Place, Trouble, find as find_trouble};
+
+use crate::render::Observer;
+use crate::{Error, Result};
+
+/// What is to be run.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The groups, in the order wanted.
+    pub groups: Vec<Group>,
+    /// All the cases of the promise, minutes of work, instead of a sample of them.
+    pub full: bool,
+}
+
+impl Plan {
+    /// A sample of every group, some seconds of work.
+    #[must_use]
+    pub fn quick() -> Self {
+        Self { groups: Group::ALL.to_vec(), full: false }
+    }
+
+    /// `full` cases, or of the quick run so many.
+    fn sized(&self, full: u64, quick: u64) -> u64 {
+        if self.full { full } else { quick }
+    }
+
+    /// What [`Observer::pixels_done`] comes to over a run with so many paths: parts of the work, in no unit.
+    #[must_use]
+    pub fn parts(&self, paths: usize) -> u64 {
+        self.groups.iter().map(|g| if g.is_of_path() { PARTS * paths as u64 } else { PARTS }).sum()
+    }
+}
+
+/// Parts of the work that a group counts as in a progress bar.
+pub(crate) const PARTS: u64 = 1000;
+
+/// What became of one group.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The group.
+    pub group: Group,
+    /// The path it was tried on; none where the group is of formulas alone.
+    pub path: Option<&'static str>,
+    /// Cases, failures, the worst figure.
+    pub tally: Tally,
+    /// Wall time.
+    pub time: Duration,
+}
+
+impl Finding {
+    /// Whether nothing fell short, in at least one case.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.tally.failures == 0 && self.tally.cases > 0
+    }
+}
+
+/// Runs the planned groups that are about formulas and concern no path.
+///
+/// # Errors
+/// [`Error::Interrupted`] soon after `observer.stop` is set.
+pub fn fire_at_optics(plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for &group in plan.groups.iter().filter(|g| !g.is_of_path()) {
+        let finding = |batches, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)| {
+            timed(group, None, || in_batches(batches, observer, batch))
+        };
+        findings.push(match group {
+            Group::Fresnel => finding(fresnel::batches(plan), &|i| Ok(fresnel::batch(plan, i)))?,
+            Group::Refraction => finding(refraction::batches(plan), &|i| Ok(refraction::batch(plan, i)))?,
+            Group::Reflection => finding(reflection::BATCHES, &|i| Ok(reflection::batch(plan, i)))?,
+            Group::Matched => finding(matched::BATCHES, &|i| Ok(matched::batch(plan, i)))?,
+            _ => continue,
+        });
+    }
+    Ok(findings)
+}
+
+/// Runs the planned groups that are about a path.
+///
+/// # Errors
+/// As [`fire_at_optics`]; what building the path comes to.
+pub fn fire_at_path<C: Candidate>(candidate: &C, plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for &group in plan.groups.iter().filter(|g| g.is_of_path()) {
+        let finding = |batches, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)| {
+            timed(group, Some(candidate.name()), || in_batches(batches, observer, batch))
+        };
+        findings.push(match group {
+            Group::Leaks => {
+                let pairs = meshes::pairs(&leaks::MESHES);
+                finding(pairs.len(), &|i| leaks::batch(candidate, plan, &pairs, i))?
+            }
+            Group::SelfHits => {
+                let pairs = meshes::pairs(&self_hits::MESHES);
+                finding(pairs.len(), &|i| self_hits::batch(candidate, plan, &pairs, i))?
+            }
+            Group::Lanes => finding(lanes::BATCHES, &|i| lanes::batch(candidate, plan, i))?,
+            Group::Traversal => finding(traversal::BATCHES, &|i| traversal::batch(candidate, plan, i))?,
+            Group::Builds => finding(builds::BATCHES, &|i| builds::batch(candidate, plan, i))?,
+            Group::Chains => finding(chains::BATCHES, &|i| chains::batch(candidate, plan, i))?,
+            _ => continue,
+        });
+    }
+    Ok(findings)
+}
+
+/// Takes the time of a group.
+fn timed(group: Group, path: Option<&'static str>, work: impl FnOnce() -> Result<Tally>) -> Result<Finding> {
+    let start = Instant::now();
+    let tally = work()?;
+    Ok(Finding { group, path, tally, time: start.elapsed() })
+}
+
+/// Runs batches on all threads and sums them in their order.
+fn in_batches(batches: usize, observer: &Observer, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)) -> Result<Tally> {
+    let done = AtomicU64::new(0);
+    let tallies: Vec<Tally> = (0..batches)
+        .into_par_iter()
+        .map(|i| {
+            if observer.stop.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
+            let tally = batch(i)?;
+            let before = done.fetch_add(1, Ordering::Relaxed);
+            let parts = |n: u64| PARTS * n / batches as u64;
+            observer.pixels_done.fetch_add(parts(before + 1) - parts(before), Ordering::Relaxed);
+            Ok(tally)
+        })
+        .collect::<Result<_>>()?;
+    let mut sum = Tally::default();
+    for tally in tallies {
+        sum.merge(tally);
+    }
+    Ok(sum)
+}

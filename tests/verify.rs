@@ -1,0 +1,288 @@
+//! The hard cases that `vitrum verify` fires hold here, the faults that it looks for are found, and its report is what
+//! its user reads.
+
+use std::path::Path;
+use std::time::Duration;
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty};
+use vitrum::Error;
+use vitrum::accel::native::{Native, Scratch};
+use vitrum::accel::{BuildStats, Coherence, Intersector};
+use vitrum::geometry::{Geometry, Hit, Hit8, Ray8};
+use vitrum::render::Observer;
+use vitrum::simd::Mask8;
+use vitrum::trial::verify::{self, Candidate, Finding, Group, NativePath, Plan, Way};
+
+fn quick(group: Group) {
+    let plan = Plan { groups: vec![group], full: false };
+    let observer = Observer::default();
+    let mut findings = verify::fire_at_optics(&plan, &observer).expect("nobody interrupts a test");
+    findings.extend(verify::fire_at_path(&NativePath, &plan, &observer).expect("the native path is there"));
+    assert_eq!(findings.len(), 1);
+    for f in findings {
+        println!("{:10} {:8} cases, worst {:?}, {:?}", group.name(), f.tally.cases, f.tally.worst, f.time);
+        assert!(f.holds(), "{} of {}: {:#?}", f.tally.failures, f.tally.cases, f.tally.examples);
+    }
+}
+
+#[test]
+fn no_ray_leaks_out_of_a_closed_mesh() {
+    quick(Group::Leaks);
+}
+
+#[test]
+fn no_ray_meets_the_surface_that_it_leaves() {
+    quick(Group::SelfHits);
+}
+
+#[test]
+fn reflectance_keeps_its_bound() {
+    quick(Group::Fresnel);
+}
+
+#[test]
+fn refracted_directions_keep_their_bounds() {
+    quick(Group::Refraction);
+}
+
+#[test]
+fn mirror_directions_keep_their_bound() {
+    quick(Group::Reflection);
+}
+
+#[test]
+fn equal_media_are_no_boundary_and_light_is_split_without_loss() {
+    quick(Group::Matched);
+}
+
+#[test]
+fn lanes_keep_to_themselves() {
+    quick(Group::Lanes);
+}
+
+#[test]
+fn hits_are_those_of_testing_everything() {
+    quick(Group::Traversal);
+}
+
+#[test]
+fn garbage_is_built_into_sound_trees() {
+    quick(Group::Builds);
+}
+
+#[test]
+fn no_light_is_lost_in_long_chains() {
+    quick(Group::Chains);
+}
+
+/// The native path with something broken.
+struct Broken(Fault);
+
+#[derive(Clone, Copy)]
+enum Fault {
+    /// Hits exactly on an edge are lost, as by a test that has them belong to neither side.
+    OpenEdges,
+    /// Inactive lanes are written to.
+    Spills,
+    /// Answers are an ulp off.
+    Rounds,
+}
+
+struct BrokenAccel(Native, Fault);
+
+impl Candidate for Broken {
+    type Accel = BrokenAccel;
+
+    fn name(&self) -> &'static str {
+        "broken"
+    }
+
+    fn is_exact(&self) -> bool {
+        true
+    }
+
+    fn build(&self, geometry: &[Geometry]) -> vitrum::Result<Vec<Way<BrokenAccel>>> {
+        Ok(vec![Way { name: "only", accel: BrokenAccel(Native::build(geometry), self.0) }])
+    }
+}
+
+impl Intersector for BrokenAccel {
+    type Scratch = Scratch;
+
+    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
+        self.0.closest(rays, hits, coherence, scratch);
+        for (packet, rays) in hits.iter_mut().zip(rays) {
+            for i in 0..8 {
+                let mut hit = packet.lane(i);
+                let active = rays.active >> i & 1 != 0;
+                match self.1 {
+                    Fault::OpenEdges if active && (hit.u == 0.0 || hit.v == 0.0 || hit.u + hit.v == 1.0) => {
+                        packet.set_lane(i, &Hit::MISS);
+                    }
+                    Fault::Spills if !active => packet.set_lane(i, &Hit::MISS),
+                    Fault::Rounds if active && hit.is_hit() => {
+                        hit.t = hit.t.next_up();
+                        packet.set_lane(i, &hit);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
+        self.0.occluded(rays, blocked, coherence, scratch);
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        self.0.build_stats()
+    }
+}
+
+fn of_broken(fault: Fault, group: Group) -> Finding {
+    let plan = Plan { groups: vec![group], full: false };
+    verify::fire_at_path(&Broken(fault), &plan, &Observer::default()).expect("builds").remove(0)
+}
+
+#[test]
+fn a_path_that_loses_rays_at_edges_is_caught() {
+    let found = of_broken(Fault::OpenEdges, Group::Leaks);
+    assert!(!found.holds() && found.tally.failures * 100 > found.tally.cases, "{:?}", found.tally);
+    assert!(found.tally.examples.iter().all(|e| e.starts_with("only: out of ")), "{:?}", found.tally.examples);
+    assert!(!of_broken(Fault::OpenEdges, Group::Traversal).holds());
+}
+
+#[test]
+fn a_path_that_writes_into_lanes_that_are_off_is_caught() {
+    assert!(!of_broken(Fault::Spills, Group::Lanes).holds());
+}
+
+#[test]
+fn a_path_that_is_an_ulp_off_is_caught() {
+    assert!(!of_broken(Fault::Rounds, Group::Traversal).holds());
+}
+
+#[test]
+fn it_stops_when_told_to() {
+    let observer = Observer::default();
+    observer.stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    let plan = Plan::quick();
+    assert!(matches!(verify::fire_at_path(&NativePath, &plan, &observer), Err(Error::Interrupted)));
+    assert!(matches!(verify::fire_at_optics(&plan, &observer), Err(Error::Interrupted)));
+}
+
+/// A clear box without its lid, a needle, and a triangle twice.
+const MODEL: &str = "mtllib glass.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+usemtl glass
+f 1 4 3
+f 1 3 2
+f 1 2 6
+f 1 6 5
+f 2 3 7
+f 2 7 6
+f 3 4 8
+f 3 8 7
+f 4 1 5
+f 4 5 8
+usemtl matt
+v 0 0 -2
+v 4 0 -2
+v 2 0.0001 -2
+f 9 10 11
+f 9 10 11
+";
+
+const MATERIALS: &str = "newmtl glass
+illum 7
+Ni 1.5
+d 0.1
+newmtl matt
+Kd 0.5 0.5 0.5
+";
+
+fn vitrum(folder: &Path, words: &str) -> Command {
+    let mut command = Command::cargo_bin("vitrum").expect("built");
+    command.current_dir(folder).args(words.split_whitespace()).timeout(Duration::from_secs(120));
+    command
+}
+
+#[test]
+fn the_table_and_the_json_tell_of_each_group() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = contains("reflection").and(contains("failures")).and(contains("3.00e-7")).and(contains("holds"));
+    vitrum(folder.path(), "verify --group reflection lanes").assert().code(0).stdout(table.and(contains("native")));
+    let output = vitrum(folder.path(), "verify --group reflection --json --threads 1").output().unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let row = &json["groups"][0];
+    assert_eq!((row["group"].as_str(), row["failures"].as_u64()), (Some("reflection"), Some(0)));
+    assert!(row["worst"].as_f64() <= row["bound"].as_f64() && row["cases"].as_u64() >= Some(100_000), "{row}");
+    assert_eq!((json["holds"].as_bool(), json["threads"].as_u64()), (Some(true), Some(1)));
+    vitrum(folder.path(), "verify --group reflection --quiet").assert().code(0).stdout(is_empty()).stderr(is_empty());
+}
+
+#[test]
+fn a_scene_is_fired_at_and_its_triangles_in_trouble_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("open.obj"), MODEL).unwrap();
+    std::fs::write(folder.path().join("glass.mtl"), MATERIALS).unwrap();
+    let scene = "[[material]]\nname = \"water\"\ntype = \"dielectric\"\nior = 1.33\n
+[[material]]\nname = \"oil\"\ntype = \"dielectric\"\nior = 1.47\n
+[[mesh]]\nname = \"box\"\nshape = \"box\"\nmaterial = \"water\"\ncenter = [5, 0, 0]\n
+[[mesh]]\nname = \"other\"\nshape = \"box\"\nmaterial = \"oil\"\ncenter = [5.5, 0.25, 0]\n
+[[mesh]]\nfile = \"open.obj\"\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let touching = "[[mesh]]\nname = \"third\"\nshape = \"box\"\nmaterial = \"oil\"\ncenter = [4, 0.25, 0]\n";
+    std::fs::write(folder.path().join("touching.toml"), scene.to_owned() + touching).unwrap();
+    vitrum(folder.path(), "verify touching.toml --group leaks").assert().stdout(contains("`third` touches it"));
+    let open = contains("open.obj:16: ").and(contains("open edge of a dielectric"));
+    let thin =
+        contains("open.obj:25: ").and(contains("sliver")).and(contains("open.obj:26: ")).and(contains("duplicate"));
+    let overlap = contains("scene.toml:").and(contains("media overlap without priority"));
+    vitrum(folder.path(), "verify scene.toml")
+        .assert()
+        .code(0)
+        .stdout(open.and(thin).and(overlap).and(contains("parity")));
+    let output = vitrum(folder.path(), "verify open.obj --json --group parity").output().unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let of = |kind: &str| json["troubles"].as_array().unwrap().iter().filter(|t| t["kind"] == kind).count();
+    assert_eq!((of("sliver"), of("duplicate"), of("open edge of a dielectric")), (2, 1, 4));
+}
+
+#[test]
+fn what_cannot_be_run_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    vitrum(folder.path(), "verify --group parity").assert().code(2).stderr(contains("--group parity: with no scene"));
+    vitrum(folder.path(), "verify a.toml --group lanes")
+        .assert()
+        .code(2)
+        .stderr(contains("with a scene the groups are"));
+    vitrum(folder.path(), "verify missing.toml").assert().code(3);
+    if !cfg!(feature = "embree") {
+        vitrum(folder.path(), "verify --backend embree").assert().code(4).stderr(contains("built without it"));
+    }
+}
+
+#[cfg(feature = "embree")]
+#[test]
+fn embree_in_its_fast_mode_leaks_where_the_native_path_does_not() {
+    if vitrum::accel::embree::device::Library::open(None).is_err() {
+        assert!(std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none());
+        return;
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = vitrum(folder, "verify --group leaks --backend native,embree --json").output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let of = |i: usize| (json["groups"][i]["path"].as_str().unwrap(), json["groups"][i]["holds"].as_bool().unwrap());
+    assert_eq!((of(0), of(2)), (("native", true), ("embree fast", false)));
+}
