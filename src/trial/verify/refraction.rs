@@ -69,7 +69,7 @@ pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
     let mut rng = Rng::new("refraction", i);
     let mut tally = Tally::default();
     let mut misjudged = 0;
-    let rays = plan.sized(1_000_000, 8_000) / PARTS as u64;
+    let rays = plan.sized(250_000, 8_000) / PARTS as u64;
     for _ in 0..rays {
         let angle = angle(&mut rng, kind, n1, n2);
         let (incident, normal) = rng.meeting_at(angle);
