@@ -98,14 +98,20 @@ impl<R: Real> SlabRay<R> {
     /// `t` limited to the ray's way through the grown box of a triangle, and whether there is such a way.
     #[inline(always)]
     pub fn limit_to_triangle(&self, corners: &[Vector3<R>; 3], t: R) -> (R, R::Mask) {
-        let [a, b, c] = *corners;
-        let least = |a: R, b: R, c: R| a.min_or(b.min_or(c));
-        let most = |a: R, b: R, c: R| a.max_or(b.max_or(c));
-        let lo = Vector3::new(least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z));
-        let hi = Vector3::new(most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z));
-        let (lo, hi) = grown(lo, hi);
+        let (lo, hi) = grown_box(corners);
         self.limit(lo, hi, t)
     }
+}
+
+/// The box that stands for a triangle, a few ulps wider than it.
+#[inline(always)]
+pub(crate) fn grown_box<R: Real>(corners: &[Vector3<R>; 3]) -> (Vector3<R>, Vector3<R>) {
+    let [a, b, c] = *corners;
+    let least = |a: R, b: R, c: R| a.min_or(b.min_or(c));
+    let most = |a: R, b: R, c: R| a.max_or(b.max_or(c));
+    let lo = Vector3::new(least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z));
+    let hi = Vector3::new(most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z));
+    grown(lo, hi)
 }
 
 impl<R: Real> Edges<R> {

@@ -79,6 +79,13 @@ impl F32x8 {
         Mask8(self.0.is_finite())
     }
 
+    /// Lane `k` of the `i`-th becomes lane `i` of the `k`-th.
+    #[inline(always)]
+    #[must_use]
+    pub fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        wide::f32x8::transpose(rows.map(|r| r.0)).map(Self)
+    }
+
     /// The smallest lane; lanes that are NaN are passed over.
     #[inline(always)]
     #[must_use]
@@ -291,6 +298,15 @@ mod tests {
     }
 
     /// Case LN-06 of the catalogue.
+    #[test]
+    fn rows_become_columns() {
+        let rows = std::array::from_fn(|i| F32x8::from_fn(|k| (10 * i + k) as f32));
+        let columns = F32x8::transpose(rows);
+        for (k, column) in columns.iter().enumerate() {
+            assert_eq!(column.to_array(), std::array::from_fn(|i| (10 * i + k) as f32));
+        }
+    }
+
     #[test]
     fn every_operation_gives_each_lane_the_bits_of_the_scalar() {
         check("add", |a, b| a + b, |a, b| a + b);

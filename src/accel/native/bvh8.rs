@@ -41,14 +41,17 @@ impl Child {
     }
 }
 
+/// Eight boxes: planes by axis, lower ones first, so that a ray's octant indexes its near planes.
+pub(super) type Planes = [[F32x8; 2]; 3];
+
 /// An inner node: eight boxes in structure-of-arrays, and what is in them.
 ///
 /// Boxes of absent children are inside out, which no ray meets.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Node8 {
-    /// Planes by axis; lower ones first, so that a ray's octant indexes its near planes.
-    pub planes: [[F32x8; 2]; 3],
+    /// The boxes.
+    pub planes: Planes,
     /// What the boxes hold; those that hold something come first.
     pub children: [Child; 8],
 }
@@ -87,6 +90,8 @@ pub(super) struct Bvh8<L> {
     pub leaves: Vec<L>,
     /// Where to begin; [`Child::NONE`] where there is nothing.
     pub root: Child,
+    /// The longest edge of the box around everything.
+    pub extent: f32,
     /// Levels of inner nodes; at most [`super::bvh2::MAX_DEPTH`].
     pub depth: usize,
 }

@@ -1,5 +1,6 @@
 //! What a hierarchy asks of its leaves, and what is kept of the nearest hit so far.
 
+use super::bvh8::Planes;
 use super::rays::{Eight, One};
 use crate::geometry::{Hit, Hit8, NO_GEOMETRY};
 use crate::math::{LaneMask, Real};
@@ -11,10 +12,12 @@ pub(super) trait Leaf: Sync {
     fn closest_one(&self, ray: &One, best: &mut Best);
     /// Whether one ray meets any of these primitives at or before `t_max`.
     fn occluded_one(&self, ray: &One, t_max: f32) -> bool;
-    /// Takes the nearest hits of the rays in `lanes` into `best`, where they are nearer.
-    fn closest_eight(&self, rays: &Eight, lanes: u8, best: &mut Best8);
-    /// Which rays of `lanes` meet any of these primitives at or before their `t_max`.
-    fn occluded_eight(&self, rays: &Eight, lanes: u8, t_max: F32x8) -> u8;
+    /// The boxes of the primitives, by slot; those of empty slots may be anything.
+    fn boxes(&self) -> Planes;
+    /// Takes the nearest hits of the rays in `lanes` with the primitives in `slots` into `best`, where they are nearer.
+    fn closest_eight(&self, rays: &Eight, lanes: u8, slots: u8, best: &mut Best8);
+    /// Which rays of `lanes` meet any of the primitives in `slots` at or before their `t_max`.
+    fn occluded_eight(&self, rays: &Eight, lanes: u8, slots: u8, t_max: F32x8) -> u8;
     /// Ids of the primitives within, `(geometry, primitive)`.
     fn ids(&self) -> impl Iterator<Item = (u32, u32)>;
 }
@@ -82,6 +85,12 @@ pub(super) struct Best {
 }
 
 impl Best {
+    /// No hit yet.
+    #[inline(always)]
+    pub fn new(t_max: f32) -> Self {
+        Self { t: t_max, u: 0.0, v: 0.0, geometry: NO_GEOMETRY, primitive: 0 }
+    }
+
     /// Takes the nearest of the hits in `lanes`, whose `t` are all seen by the ray, unless the present one is nearer.
     #[inline(always)]
     pub fn take(&mut self, mut lanes: u8, t: F32x8, u: F32x8, v: F32x8, tags: &Tags) {
@@ -122,7 +131,7 @@ impl Best8 {
     #[inline(always)]
     pub fn new(t_max: F32x8) -> Self {
         let none = F32x8::from(f32::from_bits(NO_GEOMETRY));
-        Self { t: t_max, u: F32x8::ZERO, v: F32x8::ZERO, geometry: none, primitive: none }
+        Self { t: t_max, u: F32x8::ZERO, v: F32x8::ZERO, geometry: none, primitive: F32x8::ZERO }
     }
 
     /// Takes the hits of `met` with one primitive, all of which the rays see, where they are nearer.
@@ -170,6 +179,14 @@ impl Best8 {
     /// Writes hits or misses into `lanes` of `hits`.
     #[inline(always)]
     pub fn write(&self, mut lanes: u8, hits: &mut Hit8) {
+        if lanes == u8::MAX {
+            let geometry = self.geometry.to_array().map(f32::to_bits);
+            let t = self.t.as_array();
+            hits.t = F32x8::from_fn(|i| if geometry[i] == NO_GEOMETRY { f32::INFINITY } else { t[i] });
+            (hits.u, hits.v, hits.instance, hits.geometry) = (self.u, self.v, [0; 8], geometry);
+            hits.primitive = self.primitive.to_array().map(f32::to_bits);
+            return;
+        }
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;

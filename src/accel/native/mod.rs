@@ -4,6 +4,8 @@
 //! ray the same bits, which are those of testing all primitives one after the other. See `geometry/slab.rs` and
 //! `geometry/triangle.rs` for why no box can lose a hit and no seam a ray.
 
+mod beam;
+mod bits;
 mod bvh2;
 mod bvh8;
 mod collapse;
@@ -12,9 +14,10 @@ mod rays;
 mod sphere8;
 mod split;
 mod stack;
-mod traverse_packet;
+mod traverse_batch;
 mod traverse_single;
 mod traverse_stream;
+mod traverse_tile;
 mod tri8;
 mod validate;
 
@@ -24,11 +27,10 @@ use rayon::prelude::*;
 
 use self::bvh2::PrimRef;
 use self::bvh8::{Bvh8, Node8};
-use self::leaf::Best8;
-use self::rays::Eight;
 use self::sphere8::Sphere8;
 pub use self::stack::Scratch;
 pub use self::traverse_stream::Kernel;
+use self::traverse_stream::Trees;
 use self::tri8::Tri8;
 use super::{BuildStats, Coherence, Intersector};
 use crate::geometry::{Geometry, Hit8, Ray8, Shape, slab, sphere};
@@ -117,15 +119,8 @@ impl Native {
         scratch: &mut Scratch,
     ) {
         assert_eq!(rays.len(), hits.len());
-        for (rays, hits) in rays.iter().zip(hits) {
-            let ready = Eight::new(rays);
-            let mut best = Best8::new(ready.t_max);
-            if self.stats.spheres != 0 {
-                traverse_stream::closest(&self.spheres, &ready, kernel, coherence, &mut best, scratch);
-            }
-            traverse_stream::closest(&self.triangles, &ready, kernel, coherence, &mut best, scratch);
-            best.write(rays.active, hits);
-        }
+        let trees = Trees { spheres: &self.spheres, triangles: &self.triangles };
+        trees.closest(kernel, rays, hits, coherence, scratch);
     }
 
     /// [`Intersector::occluded`] by a kernel of choice.
@@ -141,17 +136,8 @@ impl Native {
         scratch: &mut Scratch,
     ) {
         assert_eq!(rays.len(), blocked.len());
-        for (rays, blocked) in rays.iter().zip(blocked) {
-            let ready = Eight::new(rays);
-            let by_sphere = if self.stats.spheres == 0 {
-                0
-            } else {
-                traverse_stream::occluded(&self.spheres, &ready, ready.lanes, kernel, coherence, scratch)
-            };
-            let left = ready.lanes & !by_sphere;
-            let by_triangle = traverse_stream::occluded(&self.triangles, &ready, left, kernel, coherence, scratch);
-            *blocked = Mask8::from_bits(by_sphere | by_triangle);
-        }
+        let trees = Trees { spheres: &self.spheres, triangles: &self.triangles };
+        trees.occluded(kernel, rays, blocked, coherence, scratch);
     }
 }
 

@@ -9,6 +9,9 @@ use crate::simd::{F32x8, Mask8, Vec3x8};
 /// The axes as [`Axis::turn`] turns them, by the longest one.
 pub(super) const TURNED: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
+/// The square of the cosine between directions that go almost the same way: within some 3 degrees.
+const ALMOST_THE_SAME_WAY: f64 = 0.997;
+
 /// Eight rays, made ready together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eight {
@@ -64,19 +67,55 @@ impl Eight {
         self.backwards.iter().fold(lanes, |kept, &b| kept & if b >> first & 1 != 0 { b } else { !b })
     }
 
-    /// The lanes among `lanes` whose direction is within some 18 degrees of that of the lowest of them.
+    /// The lanes among `lanes` that start within `reach` of the lowest of them and go almost the same way.
     #[inline(always)]
-    pub fn same_way(&self, lanes: u8) -> u8 {
-        let first = Vec3x8::splat(self.dir.lane(lanes.trailing_zeros() as usize & 7));
-        let along = self.dir.dot(first);
-        let all = self.dir.length_squared() * first.length_squared();
-        (F32x8::splat(0.9) * all).le(along * along.abs()).bits() & lanes
+    pub fn same_way(&self, lanes: u8, reach: f32) -> u8 {
+        let first = lanes.trailing_zeros() as usize & 7;
+        let dir = Vec3x8::splat(self.dir.lane(first));
+        let along = self.dir.dot(dir);
+        let all = self.dir.length_squared() * dir.length_squared();
+        let apart = (self.slab.origin - Vec3x8::splat(self.slab.origin.lane(first))).abs().max_component();
+        let close = apart.le(F32x8::from(reach)) & (F32x8::splat(ALMOST_THE_SAME_WAY) * all).le(along * along.abs());
+        close.bits() & lanes
     }
 
     /// For each axis, 1 where the ray of `lane` runs backwards along it: the index of its near planes.
     #[inline(always)]
     pub fn octant(&self, lane: usize) -> [usize; 3] {
         self.backwards.map(|b| usize::from(b >> lane & 1))
+    }
+
+    /// The rays one by one, each as [`Hot`] has it.
+    #[inline(always)]
+    pub fn rows(&self) -> [F32x8; 8] {
+        let (o, d) = (self.slab.origin, self.slab.inverse);
+        F32x8::transpose([o.x, o.y, o.z, self.t_min, d.x, d.y, d.z, self.t_max])
+    }
+
+    /// The rays one by one.
+    #[inline(always)]
+    pub fn split(&self) -> ([Hot; 8], [Turned; 8]) {
+        let number = |n: u32| F32x8::from(f32::from_bits(n));
+        let last = self.axis.is_x.select(number(0), self.axis.is_y.select(number(1), number(2)));
+        let (d, s, none) = (self.dir, self.sheared.shear, F32x8::ZERO);
+        let turned = F32x8::transpose([d.x, d.y, d.z, s.0, s.1, last, number(u32::from(self.admits)), none]);
+        (bytemuck::cast(self.rows()), bytemuck::cast(turned))
+    }
+
+    /// The longest axis of the direction in `lane`.
+    #[inline(always)]
+    fn longest_axis(&self, lane: usize) -> u8 {
+        match (self.axis_bits.0 >> lane & 1, self.axis_bits.1 >> lane & 1) {
+            (1, _) => 0,
+            (_, 1) => 1,
+            _ => 2,
+        }
+    }
+
+    /// The lanes among `lanes` whose intervals begin at zero or later.
+    #[inline(always)]
+    pub fn ahead(&self, lanes: u8) -> u8 {
+        F32x8::ZERO.le(self.t_min).bits() & lanes
     }
 
     /// The longest axis of all of `lanes`, where they agree.
@@ -112,17 +151,33 @@ pub(super) struct One {
 }
 
 impl One {
+    /// The ray of a batch.
+    #[inline(always)]
+    pub fn from(hot: &Hot, turned: &Turned) -> Self {
+        let all = |[x, y, z]: [f32; 3]| Vec3x8::new(F32x8::from(x), F32x8::from(y), F32x8::from(z));
+        let axes = TURNED[turned.last as usize];
+        let backwards = |x: f32| usize::from(x.is_sign_negative());
+        Self {
+            slab: SlabRay { origin: all(hot.origin), inverse: all(hot.inverse) },
+            dir: all(turned.dir),
+            sheared: ShearedRay {
+                origin: all(axes.map(|axis| hot.origin[axis])),
+                shear: (F32x8::from(turned.shear[0]), F32x8::from(turned.shear[1])),
+                dz: F32x8::from(turned.dir[axes[2]]),
+            },
+            axes,
+            t_min: F32x8::from(hot.t_min),
+            octant: hot.inverse.map(backwards),
+            admits: turned.admits as u8,
+        }
+    }
+
     /// The ray in one lane of a packet.
     #[inline(always)]
     pub fn new(rays: &Eight, lane: usize) -> Self {
         let all = |x: &F32x8| F32x8::from(x.lane(lane));
         let spread = |v: &Vec3x8| Vec3x8::new(all(&v.x), all(&v.y), all(&v.z));
         let slab = |s: &SlabRay<F32x8>| SlabRay { origin: spread(&s.origin), inverse: spread(&s.inverse) };
-        let last = match (rays.axis_bits.0 >> lane & 1, rays.axis_bits.1 >> lane & 1) {
-            (1, _) => 0,
-            (_, 1) => 1,
-            _ => 2,
-        };
         Self {
             slab: slab(&rays.slab),
             dir: spread(&rays.dir),
@@ -131,11 +186,45 @@ impl One {
                 shear: (all(&rays.sheared.shear.0), all(&rays.sheared.shear.1)),
                 dz: all(&rays.sheared.dz),
             },
-            axes: TURNED[last],
+            axes: TURNED[usize::from(rays.longest_axis(lane))],
             t_min: all(&rays.t_min),
             octant: rays.octant(lane),
             admits: rays.admits,
         }
+    }
+}
+
+/// What the box test needs of a ray, in half a cache line.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(32))]
+pub(super) struct Hot {
+    origin: [f32; 3],
+    t_min: f32,
+    inverse: [f32; 3],
+    /// How far it is looked at from here on; -inf ends it.
+    pub t_max: f32,
+}
+
+/// What else the shapes ask of a ray.
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(32))]
+pub(super) struct Turned {
+    dir: [f32; 3],
+    shear: [f32; 2],
+    /// The longest axis of the direction.
+    last: u32,
+    admits: u32,
+    unused: u32,
+}
+
+impl Hot {
+    /// Which of eight boxes it meets, by their planes in the order in which it reaches them.
+    #[inline(always)]
+    pub fn meet(&self, near: Vec3x8, far: Vec3x8) -> u8 {
+        let all = |[x, y, z]: [f32; 3]| Vec3x8::new(F32x8::from(x), F32x8::from(y), F32x8::from(z));
+        let slab = SlabRay { origin: all(self.origin), inverse: all(self.inverse) };
+        let (enter, leave) = slab.clip_sorted(near, far, F32x8::from(self.t_min), F32x8::from(self.t_max));
+        enter.le(leave).bits()
     }
 }
 

@@ -1,8 +1,9 @@
 //! Leaves of exact spheres.
 
+use super::bvh8::Planes;
 use super::leaf::{Best, Best8, Leaf, Tags};
 use super::rays::{Eight, One};
-use crate::geometry::sphere::intersect;
+use crate::geometry::sphere::{grown_bounds, intersect};
 use crate::geometry::{Sphere, slab::SlabRay};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
@@ -70,8 +71,14 @@ impl Leaf for Sphere8 {
     }
 
     #[inline(always)]
-    fn closest_eight(&self, rays: &Eight, lanes: u8, best: &mut Best8) {
-        let mut slots = self.tags.admitted(rays.admits);
+    fn boxes(&self) -> Planes {
+        let (lo, hi) = grown_bounds(self.centre, self.radius);
+        [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]]
+    }
+
+    #[inline(always)]
+    fn closest_eight(&self, rays: &Eight, lanes: u8, slots: u8, best: &mut Best8) {
+        let mut slots = self.tags.admitted(rays.admits) & slots;
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;
             slots &= slots - 1;
@@ -82,8 +89,8 @@ impl Leaf for Sphere8 {
     }
 
     #[inline(always)]
-    fn occluded_eight(&self, rays: &Eight, lanes: u8, t_max: F32x8) -> u8 {
-        let mut slots = self.tags.admitted(rays.admits);
+    fn occluded_eight(&self, rays: &Eight, lanes: u8, slots: u8, t_max: F32x8) -> u8 {
+        let mut slots = self.tags.admitted(rays.admits) & slots;
         let mut blocked = 0;
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;

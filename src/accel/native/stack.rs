@@ -1,6 +1,8 @@
 //! What is still to be visited.
 
 use super::bvh8::Child;
+use super::leaf::Best8;
+use super::traverse_batch::Batch;
 
 /// Entries that the deepest tree a builder may make can fill: seven a level, and one.
 pub(super) const STACK_SIZE: usize = 512;
@@ -8,11 +10,11 @@ pub(super) const STACK_SIZE: usize = 512;
 /// Something to visit, unless a hit nearer than its box has been found meanwhile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    /// Where the box is entered; of eight rays, no later than by the first of them.
+    /// Where the box is entered; of many rays, no later than by the first of them.
     pub enter: f32,
     /// What is in it.
     pub child: Child,
-    /// Of eight rays, those that meet the box.
+    /// Of eight groups of rays, those that meet the box.
     pub lanes: u8,
 }
 
@@ -24,14 +26,26 @@ pub(super) type Stack = [Entry; STACK_SIZE];
 pub struct Scratch {
     /// For one ray.
     pub(super) single: Box<Stack>,
-    /// For eight rays; both are in use where one of them goes on alone.
-    pub(super) packet: Box<Stack>,
+    /// For a tile.
+    pub(super) tile: Box<Stack>,
+    /// What scattered rays are gathered in.
+    pub(super) batch: Batch,
+    /// The nearest hits of a stretch of packets.
+    pub(super) best: Vec<Best8>,
+    /// Rays of a stretch of packets that are blocked, a byte a packet.
+    pub(super) blocked: Vec<u8>,
 }
 
 impl Default for Scratch {
     fn default() -> Self {
         let empty = [Entry { enter: 0.0, child: Child::NONE, lanes: 0 }; STACK_SIZE];
-        Self { single: Box::new(empty), packet: Box::new(empty) }
+        Self {
+            single: Box::new(empty),
+            tile: Box::new(empty),
+            batch: Batch::default(),
+            best: Vec::new(),
+            blocked: Vec::new(),
+        }
     }
 }
 

@@ -1,43 +1,44 @@
 //! One ray at a time, against eight boxes and eight primitives at once.
 
 use super::bvh8::{Bvh8, Child};
-use super::leaf::{Best8, Leaf};
+use super::leaf::{Best, Best8, Leaf};
 use super::rays::{Eight, One, each};
 use super::stack::{Entry, Stack, nearest_last};
 use crate::simd::F32x8;
 
-/// The nearest hits of the rays in `lanes` in what lies below `from`, each taken into its lane of `best`.
-#[inline(never)]
-pub(super) fn closest_each<L: Leaf>(
-    tree: &Bvh8<L>,
-    from: Child,
-    rays: &Eight,
-    lanes: u8,
-    best: &mut Best8,
-    stack: &mut Stack,
-) {
+/// The nearest hits of the rays in `lanes`, each taken into its lane of `best`.
+pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, best: &mut Best8, stack: &mut Stack) {
     each(lanes, |i| {
-        let ray = One::new(rays, i);
         let mut one = best.lane(i);
-        walk(tree, from, &ray, one.t, stack, |leaf, t| {
-            leaf.closest_one(&ray, &mut one);
-            *t = one.t;
-            false
-        });
+        closest(tree, tree.root, &One::new(rays, i), &mut one, stack);
         best.set_lane(i, &one);
     });
 }
 
-/// Which rays of `lanes` meet anything below `from`.
+/// The nearest hit of a ray in what lies below `from`, taken into `best`.
 #[inline(never)]
-pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, from: Child, rays: &Eight, lanes: u8, stack: &mut Stack) -> u8 {
+pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mut Best, stack: &mut Stack) {
+    walk(tree, from, ray, best.t, stack, |leaf, t| {
+        leaf.closest_one(ray, best);
+        *t = best.t;
+        false
+    });
+}
+
+/// Which rays of `lanes` meet anything.
+pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, stack: &mut Stack) -> u8 {
     let mut blocked = 0;
     each(lanes, |i| {
-        let ray = One::new(rays, i);
-        let met = walk(tree, from, &ray, rays.t_max.lane(i), stack, |leaf, t| leaf.occluded_one(&ray, *t));
+        let met = occluded(tree, tree.root, &One::new(rays, i), rays.t_max.lane(i), stack);
         blocked |= u8::from(met) << i;
     });
     blocked
+}
+
+/// Whether a ray meets anything below `from` at or before `t_max`.
+#[inline(never)]
+pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, t_max: f32, stack: &mut Stack) -> bool {
+    walk(tree, from, ray, t_max, stack, |leaf, t| leaf.occluded_one(ray, *t))
 }
 
 /// Visits leaves, near ones first, until `visit` says that it is enough; it may lower the limit. Whether it did.

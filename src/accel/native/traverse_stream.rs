@@ -1,99 +1,225 @@
 //! Which kernel takes which rays. All kernels give the same bits, so the choice is about speed alone.
 
-use super::bvh8::Bvh8;
-use super::leaf::{Best8, Leaf};
+use arrayvec::ArrayVec;
+
+use super::bvh8::{Bvh8, Child};
+use super::leaf::Best8;
 use super::rays::Eight;
+use super::sphere8::Sphere8;
 use super::stack::Scratch;
-use super::{traverse_packet, traverse_single};
+use super::traverse_single;
+use super::traverse_tile::{self, Group, TILE};
+use super::tri8::Tri8;
 use crate::accel::Coherence;
+use crate::geometry::{Hit8, Ray8};
+use crate::simd::Mask8;
+
+/// Packets whose scattered rays are gathered into one batch.
+const STRETCH: usize = 128;
 
 /// How rays are walked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kernel {
     /// Each ray alone.
     Single,
-    /// Together with those of its packet that run into the same octant, however few.
+    /// Together with those of its packet that run into the same octant, however few, eight packets at a time.
     Packet,
+    /// All of them node by node.
+    Batch,
     /// As the stream's coherence and the packet's occupancy suggest.
     Auto,
 }
 
-/// Rays that are dealt with in one go.
-struct Group {
-    lanes: u8,
-    together: bool,
-}
-
 impl Kernel {
-    /// Some of `left`, at least one, to be dealt with next. The caller's word on coherence is checked, since
-    /// walking scattered rays together costs more than walking them one by one; it lowers the number that is enough.
+    /// Some of `left`, at least one, that are to go together, or else which rays are not to. The caller's word on
+    /// coherence is checked, since a wide beam meets too much; it lowers the number that is enough.
     #[inline(always)]
-    fn next(self, rays: &Eight, left: u8, coherence: Coherence) -> Group {
+    fn next(self, rays: &Eight, left: u8, reach: f32, coherence: Coherence) -> Result<u8, u8> {
         match self {
-            Self::Single => Group { lanes: left, together: false },
-            Self::Packet => Group { lanes: rays.same_octant(left), together: true },
+            Self::Single | Self::Batch => Err(left),
+            Self::Packet => {
+                let ahead = rays.ahead(left);
+                if ahead == 0 { Err(left) } else { Ok(rays.same_octant(ahead)) }
+            }
             Self::Auto => {
                 // A ray whose length overflows is not even its own neighbour.
-                let lanes = rays.same_way(rays.same_octant(left)) | (left & left.wrapping_neg());
+                let lanes = rays.ahead(rays.same_way(rays.same_octant(left), reach));
                 let coherent = coherence == Coherence::Coherent;
-                if lanes.count_ones() >= if coherent { 3 } else { 5 } {
-                    Group { lanes, together: true }
+                if lanes.count_ones() >= if coherent { 4 } else { 6 } {
+                    Ok(lanes)
                 } else {
                     // Scattered rays are not searched any further for a few that agree.
-                    Group { lanes: if coherent { lanes } else { left }, together: false }
+                    Err(if coherent { lanes | (left & left.wrapping_neg()) } else { left })
                 }
             }
         }
     }
 }
 
-/// The nearest hits of one packet, taken into `best`.
-#[inline(always)]
-pub(super) fn closest<L: Leaf>(
-    tree: &Bvh8<L>,
-    rays: &Eight,
-    kernel: Kernel,
-    coherence: Coherence,
-    best: &mut Best8,
-    scratch: &mut Scratch,
-) {
-    let (mut left, mut alone) = (rays.lanes, 0);
-    while left != 0 {
-        let Group { lanes, together } = kernel.next(rays, left, coherence);
-        left &= !lanes;
-        if together {
-            traverse_packet::closest(tree, rays, lanes, best, scratch);
-        } else {
-            alone |= lanes;
+/// Up to eight packets made ready, and those of their rays that go together.
+struct Tile {
+    rays: ArrayVec<Eight, TILE>,
+    /// Of each packet, the rays that go alone.
+    alone: ArrayVec<u8, TILE>,
+    groups: ArrayVec<Group, { TILE * 8 }>,
+}
+
+impl Tile {
+    #[inline(always)]
+    fn new(kernel: Kernel, rays: &[Ray8], reach: f32, coherence: Coherence) -> Self {
+        let mut tile = Self { rays: ArrayVec::new(), alone: ArrayVec::new(), groups: ArrayVec::new() };
+        for (i, rays) in rays.iter().enumerate() {
+            tile.rays.push(Eight::new(rays));
+            let rays = &tile.rays[i];
+            let (mut left, mut apart) = (rays.lanes, 0);
+            while left != 0 {
+                left &= !match kernel.next(rays, left, reach, coherence) {
+                    Ok(lanes) => {
+                        tile.groups.push(Group::new(rays, i, lanes));
+                        lanes
+                    }
+                    Err(lanes) => {
+                        apart |= lanes;
+                        lanes
+                    }
+                };
+            }
+            tile.alone.push(apart);
         }
+        tile
     }
-    if alone != 0 {
-        traverse_single::closest_each(tree, tree.root, rays, alone, best, &mut scratch.single);
+
+    /// Calls `go` with the groups, at most eight of one octant at a time.
+    #[inline(always)]
+    fn by_octant(&mut self, mut go: impl FnMut(&mut [Group], &[Eight])) {
+        let Self { rays, groups, .. } = self;
+        if groups.windows(2).any(|two| two[0].octant != two[1].octant) {
+            groups.sort_unstable_by_key(|g| g.octant);
+        }
+        for of_octant in groups.chunk_by_mut(|a, b| a.octant == b.octant) {
+            for at_most_eight in of_octant.chunks_mut(TILE) {
+                go(at_most_eight, rays);
+            }
+        }
     }
 }
 
-/// Which rays of `lanes` meet anything.
-#[inline(always)]
-pub(super) fn occluded<L: Leaf>(
-    tree: &Bvh8<L>,
-    rays: &Eight,
-    lanes: u8,
-    kernel: Kernel,
-    coherence: Coherence,
-    scratch: &mut Scratch,
-) -> u8 {
-    let (mut left, mut alone, mut blocked) = (lanes, 0, 0);
-    while left != 0 {
-        let Group { lanes, together } = kernel.next(rays, left, coherence);
-        left &= !lanes;
-        if together {
-            blocked |= traverse_packet::occluded(tree, rays, lanes, scratch);
-        } else {
-            alone |= lanes;
+/// What rays are traced against.
+pub(super) struct Trees<'a> {
+    pub spheres: &'a Bvh8<Sphere8>,
+    pub triangles: &'a Bvh8<Tri8>,
+}
+
+/// How far apart rays that go together may start, in parts of the extent of everything.
+const REACH: f32 = 0.02;
+
+impl Trees<'_> {
+    fn reach(&self) -> f32 {
+        REACH * self.spheres.extent.max(self.triangles.extent)
+    }
+
+    /// The nearest hits, written into the active lanes of `hits`.
+    pub fn closest(
+        &self,
+        kernel: Kernel,
+        rays: &[Ray8],
+        hits: &mut [Hit8],
+        coherence: Coherence,
+        scratch: &mut Scratch,
+    ) {
+        let reach = self.reach();
+        let spheres = self.spheres.root != Child::NONE;
+        let Scratch { single, tile: stack, batch, best, .. } = scratch;
+        for (rays, hits) in rays.chunks(STRETCH).zip(hits.chunks_mut(STRETCH)) {
+            best.clear();
+            for packets in rays.chunks(TILE) {
+                let first = best.len();
+                let mut tile = Tile::new(kernel, packets, reach, coherence);
+                best.extend(tile.rays.iter().map(|rays| Best8::new(rays.t_max)));
+                let best = &mut best[first..];
+                for (i, (rays, &lanes)) in tile.rays.iter().zip(&tile.alone).enumerate() {
+                    if kernel == Kernel::Single {
+                        if spheres {
+                            traverse_single::closest_each(self.spheres, rays, lanes, &mut best[i], single);
+                        }
+                        traverse_single::closest_each(self.triangles, rays, lanes, &mut best[i], single);
+                    } else {
+                        batch.push(rays, first + i, lanes);
+                    }
+                }
+                tile.by_octant(|groups, rays| {
+                    if spheres {
+                        traverse_tile::closest(self.spheres, groups, rays, best, stack);
+                    }
+                    traverse_tile::closest(self.triangles, groups, rays, best, stack);
+                });
+            }
+            if !batch.is_empty() {
+                if spheres {
+                    batch.closest(self.spheres, single);
+                }
+                batch.closest(self.triangles, single);
+                batch.finish(best);
+            }
+            for ((rays, hits), best) in rays.iter().zip(hits).zip(best.iter()) {
+                best.write(rays.active, hits);
+            }
         }
     }
-    if alone != 0 {
-        blocked |= traverse_single::occluded_each(tree, tree.root, rays, alone, &mut scratch.single);
+
+    /// Which rays meet anything.
+    pub fn occluded(
+        &self,
+        kernel: Kernel,
+        rays: &[Ray8],
+        blocked: &mut [Mask8],
+        coherence: Coherence,
+        scratch: &mut Scratch,
+    ) {
+        let reach = self.reach();
+        let spheres = self.spheres.root != Child::NONE;
+        let Scratch { single, tile: stack, batch, blocked: found, .. } = scratch;
+        for (rays, blocked) in rays.chunks(STRETCH).zip(blocked.chunks_mut(STRETCH)) {
+            found.clear();
+            found.resize(rays.len(), 0);
+            for (k, packets) in rays.chunks(TILE).enumerate() {
+                let found = &mut found[k * TILE..];
+                let mut tile = Tile::new(kernel, packets, reach, coherence);
+                for (i, (rays, &lanes)) in tile.rays.iter().zip(&tile.alone).enumerate() {
+                    if kernel == Kernel::Single {
+                        if spheres {
+                            found[i] = traverse_single::occluded_each(self.spheres, rays, lanes, single);
+                        }
+                        let left = lanes & !found[i];
+                        found[i] |= traverse_single::occluded_each(self.triangles, rays, left, single);
+                    } else {
+                        batch.push(rays, k * TILE + i, lanes);
+                    }
+                }
+                tile.by_octant(|groups, rays| {
+                    let mut before = [0; TILE];
+                    for (before, group) in before.iter_mut().zip(&*groups) {
+                        *before = group.lanes;
+                    }
+                    if spheres {
+                        traverse_tile::occluded(self.spheres, groups, rays, stack);
+                    }
+                    traverse_tile::occluded(self.triangles, groups, rays, stack);
+                    for (before, group) in before.iter().zip(groups) {
+                        found[group.packet] |= before & !group.lanes;
+                    }
+                });
+            }
+            if !batch.is_empty() {
+                if spheres {
+                    batch.occluded(self.spheres, single);
+                }
+                batch.occluded(self.triangles, single);
+                batch.finish_blocked(found);
+            }
+            for (blocked, &found) in blocked.iter_mut().zip(found.iter()) {
+                *blocked = Mask8::from_bits(found);
+            }
+        }
     }
-    blocked
 }

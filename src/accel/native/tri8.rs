@@ -1,9 +1,10 @@
 //! Leaves of triangles: eight of them for one ray, or each of them for eight rays.
 
+use super::bvh8::Planes;
 use super::leaf::{Best, Best8, Leaf, Tags};
 use super::rays::{Eight, One, TURNED};
 use crate::geometry::slab::SlabRay;
-use crate::geometry::triangle::{Edges, ShearedRay, Solution};
+use crate::geometry::triangle::{Edges, ShearedRay, Solution, grown_box};
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
@@ -114,17 +115,18 @@ impl Tri8 {
         intersect(&ray.sheared, &ray.slab, &turned, plain, interval, || self.tags.admitted(ray.admits))
     }
 
-    /// Calls `found` with the hits of `lanes` with each triangle that the rays look for.
+    /// Calls `found` with the hits of `lanes` with each triangle in `slots` that the rays look for.
     #[inline(always)]
     fn meet_eight(
         &self,
         rays: &Eight,
         lanes: u8,
+        slots: u8,
         mut found: impl FnMut(usize, F32x8, Option<Met>) -> F32x8,
         t_max: F32x8,
     ) {
         let mut t_max = t_max;
-        let mut slots = self.tags.admitted(rays.admits);
+        let mut slots = self.tags.admitted(rays.admits) & slots;
         let common = rays.common_axis(lanes);
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;
@@ -165,7 +167,13 @@ impl Leaf for Tri8 {
     }
 
     #[inline(always)]
-    fn closest_eight(&self, rays: &Eight, lanes: u8, best: &mut Best8) {
+    fn boxes(&self) -> Planes {
+        let (lo, hi) = grown_box(&self.corners.map(|[x, y, z]| Vec3x8::new(x, y, z)));
+        [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]]
+    }
+
+    #[inline(always)]
+    fn closest_eight(&self, rays: &Eight, lanes: u8, slots: u8, best: &mut Best8) {
         let t_max = best.t;
         let tags = &self.tags;
         let found = |i: usize, _, met: Option<Met>| {
@@ -174,11 +182,11 @@ impl Leaf for Tri8 {
             }
             best.t
         };
-        self.meet_eight(rays, lanes, found, t_max);
+        self.meet_eight(rays, lanes, slots, found, t_max);
     }
 
     #[inline(always)]
-    fn occluded_eight(&self, rays: &Eight, lanes: u8, t_max: F32x8) -> u8 {
+    fn occluded_eight(&self, rays: &Eight, lanes: u8, slots: u8, t_max: F32x8) -> u8 {
         let mut blocked = 0;
         let found = |_, t_max, met: Option<Met>| {
             if let Some(met) = met {
@@ -186,7 +194,7 @@ impl Leaf for Tri8 {
             }
             t_max
         };
-        self.meet_eight(rays, lanes, found, t_max);
+        self.meet_eight(rays, lanes, slots, found, t_max);
         blocked
     }
 
