@@ -61,7 +61,7 @@ fn the_figures_have_the_agreed_shape() {
     for kind in KINDS {
         let rows: Vec<_> = list(&report, "rows").iter().filter(|r| r["rays"] == kind).collect();
         let modes = |backend: &str| rows.iter().filter(|r| r["backend"] == backend).count();
-        assert_eq!(modes("native"), 3, "{kind}");
+        assert_eq!(modes("native"), 4, "{kind}");
         let (others, ratios) = if has_embree() { (6, 2) } else { (0, 0) };
         assert_eq!((modes("embree-robust"), modes("embree-fast")), (others, others), "{kind}");
         let of_kind = list(&report, "ratios").iter().filter(|r| r["rays"] == kind);

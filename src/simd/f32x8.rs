@@ -297,7 +297,6 @@ mod tests {
         }
     }
 
-    /// Case LN-06 of the catalogue.
     #[test]
     fn rows_become_columns() {
         let rows = std::array::from_fn(|i| F32x8::from_fn(|k| (10 * i + k) as f32));
@@ -307,6 +306,7 @@ mod tests {
         }
     }
 
+    /// Case LN-06 of the catalogue.
     #[test]
     fn every_operation_gives_each_lane_the_bits_of_the_scalar() {
         check("add", |a, b| a + b, |a, b| a + b);

@@ -127,5 +127,10 @@ pub fn native(native: &Native) -> Vec<Box<dyn Contender + '_>> {
     let by = |mode, kernel| -> Box<dyn Contender + '_> {
         Box::new(Through::new("native", mode, Forced::new(native, kernel)))
     };
-    vec![by("auto", Kernel::Auto), by("single", Kernel::Single), by("packet", Kernel::Packet), by("batch", Kernel::Batch)]
+    vec![
+        by("auto", Kernel::Auto),
+        by("single", Kernel::Single),
+        by("packet", Kernel::Packet),
+        by("batch", Kernel::Batch),
+    ]
 }
