@@ -90,8 +90,6 @@ pub(super) struct Bvh8<L> {
     pub leaves: Vec<L>,
     /// Where to begin; [`Child::NONE`] where there is nothing.
     pub root: Child,
-    /// The longest edge of the box around everything.
-    pub extent: f32,
     /// Levels of inner nodes; at most [`super::bvh2::MAX_DEPTH`].
     pub depth: usize,
 }

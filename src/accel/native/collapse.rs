@@ -8,15 +8,13 @@ use super::bvh8::{Bvh8, Child, Node8};
 /// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them.
 pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> L + Sync) -> Bvh8<L> {
     let Some(root) = build(prims) else {
-        return Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, extent: 0.0, depth: 0 };
+        return Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, depth: 0 };
     };
-    let (lo, hi) = (root.bounds.lo(), root.bounds.hi());
-    let extent = [0, 1, 2].map(|k| hi[k] - lo[k]).into_iter().fold(0.0, f32::max);
     let mut flat = Flat::default();
     let root = flat.place(&root, 0);
     flat.nodes.shrink_to_fit();
     let leaves = flat.leaves.par_iter().map(|&(first, count)| leaf(&prims[first..first + count])).collect();
-    Bvh8 { nodes: flat.nodes, leaves, root, extent, depth: flat.depth }
+    Bvh8 { nodes: flat.nodes, leaves, root, depth: flat.depth }
 }
 
 #[derive(Default)]

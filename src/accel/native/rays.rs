@@ -9,9 +9,6 @@ use crate::simd::{F32x8, Mask8, Vec3x8};
 /// The axes as [`Axis::turn`] turns them, by the longest one.
 pub(super) const TURNED: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-/// The square of the cosine between directions that go almost the same way: within some 3 degrees.
-const ALMOST_THE_SAME_WAY: f64 = 0.997;
-
 /// Eight rays, made ready together.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eight {
@@ -67,16 +64,17 @@ impl Eight {
         self.backwards.iter().fold(lanes, |kept, &b| kept & if b >> first & 1 != 0 { b } else { !b })
     }
 
-    /// The lanes among `lanes` that start within `reach` of the lowest of them and go almost the same way.
+    /// The lanes among `lanes` that start where the lowest of them does and whose direction is as close to its as
+    /// `agreement`, the square of the cosine between them.
     #[inline(always)]
-    pub fn same_way(&self, lanes: u8, reach: f32) -> u8 {
+    pub fn same_way(&self, lanes: u8, agreement: f64) -> u8 {
         let first = lanes.trailing_zeros() as usize & 7;
-        let dir = Vec3x8::splat(self.dir.lane(first));
+        let (dir, start) = (Vec3x8::splat(self.dir.lane(first)), Vec3x8::splat(self.slab.origin.lane(first)));
         let along = self.dir.dot(dir);
         let all = self.dir.length_squared() * dir.length_squared();
-        let apart = (self.slab.origin - Vec3x8::splat(self.slab.origin.lane(first))).abs().max_component();
-        let close = apart.le(F32x8::from(reach)) & (F32x8::splat(ALMOST_THE_SAME_WAY) * all).le(along * along.abs());
-        close.bits() & lanes
+        let o = self.slab.origin;
+        let together = o.x.eq(start.x) & o.y.eq(start.y) & o.z.eq(start.z);
+        (together & (F32x8::splat(agreement) * all).le(along * along.abs())).bits() & lanes
     }
 
     /// For each axis, 1 where the ray of `lane` runs backwards along it: the index of its near planes.

@@ -5,6 +5,8 @@
 //! node stay in registers while its list of rays goes by, each with the 32 bytes that the box test needs. A list that
 //! has become short is finished ray by ray.
 
+use arrayvec::ArrayVec;
+
 use super::bits::{compress, transpose};
 use super::bvh8::{Bvh8, Child, Node8, Planes};
 use super::leaf::{Best, Best8, Leaf};
@@ -181,12 +183,8 @@ impl Lists {
             }
             let node = &tree.nodes[child.index()];
             let met = self.meet(node, octant, first, count, hot);
-            let order = far_to_near(node, octant);
             let mut start = end;
-            for c in order {
-                if met >> c & 1 == 0 {
-                    continue;
-                }
+            for c in far_to_near(node, octant, met) {
                 let stop = self.gather(first, count, c, start);
                 self.stack.push(Visit { child: node.children[c], first: start, count: stop - start });
                 start = stop;
@@ -221,7 +219,7 @@ impl Lists {
         for (block, masks) in self.masks[..count.div_ceil(8)].iter().enumerate() {
             let mask = (masks >> (8 * c)) as u8;
             let from = first + 8 * block;
-            let ids: [u16; 8] = std::array::from_fn(|k| self.ids[from..from + 8][k]);
+            let Some(&ids) = self.ids[from..].first_chunk() else { break };
             self.ids[to..to + 8].copy_from_slice(&compress(ids, mask));
             to += mask.count_ones() as usize;
         }
@@ -229,22 +227,24 @@ impl Lists {
     }
 }
 
-/// The children of a node, those first whose centres rays of the octant pass last.
+/// The children of a node in `met`, those first whose centres rays of the octant pass last.
 #[inline(always)]
-fn far_to_near(node: &Node8, octant: [usize; 3]) -> [usize; 8] {
+fn far_to_near(node: &Node8, octant: [usize; 3], met: u8) -> ArrayVec<usize, 8> {
     let along = |planes: &Planes, axis: usize| {
         let twice_centre = planes[axis][0] + planes[axis][1];
         if octant[axis] == 0 { twice_centre } else { -twice_centre }
     };
     let place = along(&node.planes, 0) + along(&node.planes, 1) + along(&node.planes, 2);
-    let place = place.to_array();
-    let mut order = [0, 1, 2, 3, 4, 5, 6, 7];
-    for i in 1..8 {
-        let mut k = i;
-        while k > 0 && place[order[k - 1]] < place[order[k]] {
-            order.swap(k - 1, k);
+    let place = place.as_array();
+    let mut order = ArrayVec::new();
+    each(met, |c| {
+        let mut k = order.len();
+        order.push(c);
+        while k > 0 && place[order[k - 1]] < place[c] {
+            order[k] = order[k - 1];
             k -= 1;
         }
-    }
+        order[k] = c;
+    });
     order
 }

@@ -7,6 +7,7 @@ use super::stack::{Entry, Stack, nearest_last};
 use crate::simd::F32x8;
 
 /// The nearest hits of the rays in `lanes`, each taken into its lane of `best`.
+#[inline(never)]
 pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, best: &mut Best8, stack: &mut Stack) {
     each(lanes, |i| {
         let mut one = best.lane(i);
@@ -16,7 +17,7 @@ pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, bes
 }
 
 /// The nearest hit of a ray in what lies below `from`, taken into `best`.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mut Best, stack: &mut Stack) {
     walk(tree, from, ray, best.t, stack, |leaf, t| {
         leaf.closest_one(ray, best);
@@ -26,6 +27,7 @@ pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mu
 }
 
 /// Which rays of `lanes` meet anything.
+#[inline(never)]
 pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, stack: &mut Stack) -> u8 {
     let mut blocked = 0;
     each(lanes, |i| {
@@ -36,7 +38,7 @@ pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, st
 }
 
 /// Whether a ray meets anything below `from` at or before `t_max`.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, t_max: f32, stack: &mut Stack) -> bool {
     walk(tree, from, ray, t_max, stack, |leaf, t| leaf.occluded_one(ray, *t))
 }

@@ -32,9 +32,10 @@ pub enum Kernel {
 
 impl Kernel {
     /// Some of `left`, at least one, that are to go together, or else which rays are not to. The caller's word on
-    /// coherence is checked, since a wide beam meets too much; it lowers the number that is enough.
+    /// coherence is checked, since a wide beam meets too much: only rays from one start are narrow enough. It lowers the
+    /// number that is enough.
     #[inline(always)]
-    fn next(self, rays: &Eight, left: u8, reach: f32, coherence: Coherence) -> Result<u8, u8> {
+    fn next(self, rays: &Eight, left: u8, coherence: Coherence) -> Result<u8, u8> {
         match self {
             Self::Single | Self::Batch => Err(left),
             Self::Packet => {
@@ -42,10 +43,12 @@ impl Kernel {
                 if ahead == 0 { Err(left) } else { Ok(rays.same_octant(ahead)) }
             }
             Self::Auto => {
-                // A ray whose length overflows is not even its own neighbour.
-                let lanes = rays.ahead(rays.same_way(rays.same_octant(left), reach));
                 let coherent = coherence == Coherence::Coherent;
-                if lanes.count_ones() >= if coherent { 4 } else { 6 } {
+                // Within some 3 degrees, and 1.3.
+                let (enough, agreement) = if coherent { (4, 0.997) } else { (6, 0.9995) };
+                // A ray whose length overflows is not even its own neighbour.
+                let lanes = rays.ahead(rays.same_way(rays.same_octant(left), agreement));
+                if lanes.count_ones() >= enough {
                     Ok(lanes)
                 } else {
                     // Scattered rays are not searched any further for a few that agree.
@@ -66,14 +69,14 @@ struct Tile {
 
 impl Tile {
     #[inline(always)]
-    fn new(kernel: Kernel, rays: &[Ray8], reach: f32, coherence: Coherence) -> Self {
+    fn new(kernel: Kernel, rays: &[Ray8], coherence: Coherence) -> Self {
         let mut tile = Self { rays: ArrayVec::new(), alone: ArrayVec::new(), groups: ArrayVec::new() };
         for (i, rays) in rays.iter().enumerate() {
             tile.rays.push(Eight::new(rays));
             let rays = &tile.rays[i];
             let (mut left, mut apart) = (rays.lanes, 0);
             while left != 0 {
-                left &= !match kernel.next(rays, left, reach, coherence) {
+                left &= !match kernel.next(rays, left, coherence) {
                     Ok(lanes) => {
                         tile.groups.push(Group::new(rays, i, lanes));
                         lanes
@@ -110,14 +113,7 @@ pub(super) struct Trees<'a> {
     pub triangles: &'a Bvh8<Tri8>,
 }
 
-/// How far apart rays that go together may start, in parts of the extent of everything.
-const REACH: f32 = 0.02;
-
 impl Trees<'_> {
-    fn reach(&self) -> f32 {
-        REACH * self.spheres.extent.max(self.triangles.extent)
-    }
-
     /// The nearest hits, written into the active lanes of `hits`.
     pub fn closest(
         &self,
@@ -127,14 +123,13 @@ impl Trees<'_> {
         coherence: Coherence,
         scratch: &mut Scratch,
     ) {
-        let reach = self.reach();
         let spheres = self.spheres.root != Child::NONE;
         let Scratch { single, tile: stack, batch, best, .. } = scratch;
         for (rays, hits) in rays.chunks(STRETCH).zip(hits.chunks_mut(STRETCH)) {
             best.clear();
             for packets in rays.chunks(TILE) {
                 let first = best.len();
-                let mut tile = Tile::new(kernel, packets, reach, coherence);
+                let mut tile = Tile::new(kernel, packets, coherence);
                 best.extend(tile.rays.iter().map(|rays| Best8::new(rays.t_max)));
                 let best = &mut best[first..];
                 for (i, (rays, &lanes)) in tile.rays.iter().zip(&tile.alone).enumerate() {
@@ -176,7 +171,6 @@ impl Trees<'_> {
         coherence: Coherence,
         scratch: &mut Scratch,
     ) {
-        let reach = self.reach();
         let spheres = self.spheres.root != Child::NONE;
         let Scratch { single, tile: stack, batch, blocked: found, .. } = scratch;
         for (rays, blocked) in rays.chunks(STRETCH).zip(blocked.chunks_mut(STRETCH)) {
@@ -184,7 +178,7 @@ impl Trees<'_> {
             found.resize(rays.len(), 0);
             for (k, packets) in rays.chunks(TILE).enumerate() {
                 let found = &mut found[k * TILE..];
-                let mut tile = Tile::new(kernel, packets, reach, coherence);
+                let mut tile = Tile::new(kernel, packets, coherence);
                 for (i, (rays, &lanes)) in tile.rays.iter().zip(&tile.alone).enumerate() {
                     if kernel == Kernel::Single {
                         if spheres {
