@@ -32,8 +32,8 @@ pub enum Kernel {
 
 impl Kernel {
     /// Some of `left`, at least one, that are to go together, or else which rays are not to. The caller's word on
-    /// coherence is checked, since a wide beam meets too much: only rays from one start are narrow enough. It lowers the
-    /// number that is enough.
+    /// coherence is checked, since a wide beam meets too much: only rays from one start are narrow enough. It lowers
+    /// the number that is enough.
     #[inline(always)]
     fn next(self, rays: &Eight, left: u8, coherence: Coherence) -> Result<u8, u8> {
         match self {
@@ -46,13 +46,12 @@ impl Kernel {
                 let coherent = coherence == Coherence::Coherent;
                 // Within some 3 degrees, and 1.3.
                 let (enough, agreement) = if coherent { (4, 0.997) } else { (6, 0.9995) };
-                // A ray whose length overflows is not even its own neighbour.
                 let lanes = rays.ahead(rays.same_way(rays.same_octant(left), agreement));
                 if lanes.count_ones() >= enough {
                     Ok(lanes)
                 } else {
-                    // Scattered rays are not searched any further for a few that agree.
-                    Err(if coherent { lanes | (left & left.wrapping_neg()) } else { left })
+                    // Where a ray is the only one of its start, none of the others is expected to have company.
+                    Err(if coherent && lanes.count_ones() > 1 { lanes } else { left })
                 }
             }
         }
