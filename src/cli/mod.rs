@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, flags in [`args`] and [`options`] alone.
+//! The command line: one file per subcommand, flags in `args` and `options` alone.
 
 mod args;
 mod backend;
