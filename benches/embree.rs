@@ -185,9 +185,14 @@ impl Streams {
     fn fill(&mut self, n: usize, ray: impl Fn(usize) -> Ray) -> usize {
         let packets = n.div_ceil(8);
         for (k, packet) in self.rays[..packets].iter_mut().enumerate() {
-            packet.active = 0;
-            for lane in 0..(n - 8 * k).min(8) {
-                packet.set_lane(lane, &ray(8 * k + lane));
+            let count = (n - 8 * k).min(8);
+            packet.active = Mask8::first(count).bits();
+            for lane in 0..count {
+                let ray = ray(8 * k + lane);
+                packet.origin.set_lane(lane, ray.origin);
+                packet.dir.set_lane(lane, ray.dir);
+                packet.t_min.set_lane(lane, ray.t_min);
+                packet.t_max.set_lane(lane, ray.t_max);
             }
         }
         packets
