@@ -69,3 +69,49 @@ fn the_sweep_has_the_sizes_of_its_names() {
         assert!((stats.triangles as f64 / triangles - 1.0).abs() < 0.03, "{name}: {}", stats.triangles);
     }
 }
+
+/// One shading layer over two paths: a pixel that differs is one that no `f32` path decides, since the `f64` picture
+/// itself moves there when the camera ray moves by a few roundings for each level of the path.
+#[cfg(feature = "embree")]
+#[test]
+fn both_back_ends_make_the_same_picture_of_every_scene() {
+    use vitrum::accel::embree::{self, Embree};
+    use vitrum::optics::FresnelModel;
+    use vitrum::render::reference::Prepared;
+
+    const TOLERANCE: f32 = 5e-4;
+    for file in scene_files() {
+        let mut scene = load_scene(&file);
+        let settings = &mut scene.settings;
+        (settings.width, settings.height, settings.samples) = (settings.width / 8, settings.height / 8, 1);
+        let embree = match Embree::build(&scene.geometry, &embree::Options::default()) {
+            Ok(embree) => Unbounded::new(embree, &scene.geometry),
+            Err(e) if std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none() => {
+                eprintln!("SKIPPED: {e}");
+                return;
+            }
+            Err(e) => panic!("{e}"),
+        };
+        let native = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        let (options, observer) = (Options::default(), Observer::default());
+        let ours = render(&scene, &native, &options, &observer).expect("renders").film;
+        let theirs = render(&scene, &embree, &options, &observer).expect("renders").film;
+        let prepared = Prepared::new(&scene, FresnelModel::Exact);
+        let roundings = 8.0 * f64::from(scene.settings.max_depth + 1);
+        let (mut apart, mut unexplained) = (0, Vec::new());
+        for y in 0..ours.height {
+            for x in 0..ours.width {
+                let differ = ours.at(x, y).iter().zip(theirs.at(x, y)).any(|(a, b)| (a - b).abs() > TOLERANCE);
+                apart += usize::from(differ);
+                let (fx, fy) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+                if differ && prepared.ulps_until_moved(fx, fy, f64::from(TOLERANCE), roundings).is_none() {
+                    unexplained.push((x, y, ours.at(x, y), theirs.at(x, y)));
+                }
+            }
+        }
+        let name = file.display();
+        eprintln!("{name}: {apart} of {} pixels apart, {} unexplained", ours.pixels.len(), unexplained.len());
+        assert!(apart * 100 <= ours.pixels.len(), "{name}: {apart} pixels apart");
+        assert!(unexplained.is_empty(), "{name}: {unexplained:?}");
+    }
+}
