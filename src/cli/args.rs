@@ -87,6 +87,14 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, default_value_t = FresnelArg::Exact, help_heading = "Light")]
     pub fresnel: FresnelArg,
 
+    /// Formula that bends light at a surface
+    #[arg(long, value_enum, default_value_t = RefractionArg::Stable, help_heading = "Light")]
+    pub refraction: RefractionArg,
+
+    /// The constant of `--refraction oliveira`, above -1 [default: 0.6645, for glass]
+    #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
+    pub oliveira: Option<f64>,
+
     /// What transparent surfaces do to shadows [default: as the scene says]
     #[arg(long, value_enum, help_heading = "Light")]
     pub shadows: Option<ShadowsArg>,
@@ -382,6 +390,24 @@ pub(super) enum FresnelArg {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum RefractionArg {
+    /// Snell's law, stable at every index ratio
+    Stable,
+    /// Snell's law by arc sine and arc cosine
+    Trigonometric,
+    /// Heckbert's method
+    Heckbert,
+    /// Bec's method
+    Bec,
+    /// The lighting slides' vector form
+    Slides,
+    /// Oliveira's approximation
+    Oliveira,
+    /// No bending at all
+    Straight,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum ShadowsArg {
     /// They block light
     Opaque,
@@ -408,6 +434,11 @@ fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
 fn cutoff(text: &str) -> Result<f32, String> {
     let x: f32 = number(text)?;
     if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
+}
+
+fn above_minus_one(text: &str) -> Result<f64, String> {
+    let x: f64 = number(text)?;
+    if x > -1.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above -1")) }
 }
 
 fn exposure(text: &str) -> Result<f32, String> {

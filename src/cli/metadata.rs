@@ -2,14 +2,15 @@
 
 use super::backend::Backend;
 use super::options::Exposure;
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, RefractionModel};
+use crate::render::Options;
 use crate::scene::{Settings, ShadowRule};
 use crate::simd::level;
 
 /// Names and values for a picture file.
 pub(super) fn of(
     settings: &Settings,
-    fresnel: FresnelModel,
+    options: &Options,
     backend: Backend,
     library: Option<&str>,
     exposure: Exposure,
@@ -21,7 +22,8 @@ pub(super) fn of(
         ("vitrum:samples", settings.samples.to_string()),
         ("vitrum:depth", settings.max_depth.to_string()),
         ("vitrum:cutoff", settings.cutoff.to_string()),
-        ("vitrum:fresnel", fresnel_name(fresnel).into()),
+        ("vitrum:fresnel", fresnel_name(options.fresnel).into()),
+        ("vitrum:refraction", refraction_name(options)),
         ("vitrum:shadows", shadows_name(settings.shadows).into()),
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
@@ -37,6 +39,19 @@ pub(super) fn fresnel_name(model: FresnelModel) -> &'static str {
         FresnelModel::Exact => "exact",
         FresnelModel::Schlick => "schlick",
         FresnelModel::Off => "off",
+    }
+}
+
+/// The name of a refraction formula, as the command line has it, with its constant where it has one.
+pub(super) fn refraction_name(options: &Options) -> String {
+    match options.refraction {
+        RefractionModel::Stable => "stable".into(),
+        RefractionModel::Trigonometric => "trigonometric".into(),
+        RefractionModel::Heckbert => "heckbert".into(),
+        RefractionModel::Bec => "bec".into(),
+        RefractionModel::SlidesVector => "slides".into(),
+        RefractionModel::Oliveira => format!("oliveira {}", options.oliveira.c),
+        RefractionModel::StraightThrough => "straight".into(),
     }
 }
 

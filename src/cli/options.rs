@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::args::{
-    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, RenderArgs,
-    ShadowsArg, VerifyArgs,
+    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, RefractionArg,
+    RenderArgs, ShadowsArg, VerifyArgs,
 };
 use super::backend::Backend;
 use crate::image::{Bits, Destination, Format};
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Settings, ShadowRule};
 use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
@@ -133,6 +133,8 @@ impl TryFrom<RenderArgs> for Render {
                     FresnelArg::Schlick => FresnelModel::Schlick,
                     FresnelArg::Off => FresnelModel::Off,
                 },
+                refraction: args.refraction.into(),
+                oliveira: oliveira(args.refraction, args.oliveira)?,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
@@ -140,6 +142,34 @@ impl TryFrom<RenderArgs> for Render {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+impl From<RefractionArg> for RefractionModel {
+    fn from(arg: RefractionArg) -> Self {
+        match arg {
+            RefractionArg::Stable => Self::Stable,
+            RefractionArg::Trigonometric => Self::Trigonometric,
+            RefractionArg::Heckbert => Self::Heckbert,
+            RefractionArg::Bec => Self::Bec,
+            RefractionArg::Slides => Self::SlidesVector,
+            RefractionArg::Oliveira => Self::Oliveira,
+            RefractionArg::Straight => Self::StraightThrough,
+        }
+    }
+}
+
+/// The constant of Oliveira's formula.
+///
+/// # Errors
+/// Usage, where it is given for another formula.
+fn oliveira(formula: RefractionArg, c: Option<f64>) -> Result<Oliveira> {
+    match (formula, c) {
+        (_, None) => Ok(Oliveira::GLASS),
+        (RefractionArg::Oliveira, Some(c)) => Ok(Oliveira { c }),
+        (_, Some(c)) => Err(Error::Usage(format!(
+            "--oliveira {c}: only that formula has a constant; add --refraction oliveira, or leave it out"
+        ))),
     }
 }
 

@@ -91,7 +91,7 @@ fn expose(film: &mut Film, exposure: Exposure) {
 
 fn write(job: &Render, scene: &Scene, traced: &Traced, observer: &Observer) -> Result<image::Clipped> {
     let library = traced.library.as_deref();
-    let metadata = metadata::of(&scene.settings, job.options.fresnel, job.backend, library, job.exposure);
+    let metadata = metadata::of(&scene.settings, &job.options, job.backend, library, job.exposure);
     let encoded = image::encode(&traced.outcome.film, &Encoding { format: job.format, bits: job.bits, metadata })?;
     job.output.write(&encoded.bytes, || !observer.stop.load(Ordering::SeqCst))?;
     Ok(encoded.clipped)

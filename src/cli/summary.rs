@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::backend::Traced;
-use super::metadata::{fresnel_name, shadows_name};
+use super::metadata::{fresnel_name, refraction_name, shadows_name};
 use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
 use crate::image::{Bits, Clipped, Film, Format};
@@ -56,6 +56,7 @@ struct Picture {
     depth: u32,
     cutoff: f32,
     fresnel: &'static str,
+    refraction: String,
     shadows: &'static str,
     exposure: f32,
 }
@@ -159,6 +160,7 @@ impl Summary {
                 depth: settings.max_depth,
                 cutoff: settings.cutoff,
                 fresnel: fresnel_name(job.options.fresnel),
+                refraction: refraction_name(&job.options),
                 shadows: shadows_name(settings.shadows),
                 exposure: job.exposure.ev,
             },

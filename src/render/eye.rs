@@ -65,7 +65,7 @@ fn solids_around<I: Intersector>(scene: &Scene, accel: &I) -> Vec<u32> {
             break;
         }
         let chunk = super::queue::Chunk { rays, states: vec![super::queue::State8::default()] };
-        let surface = super::surface::Surface8::gather(scene, &chunk, &hits, &[0]);
+        let surface = super::surface::Surface8::one(scene, &chunk, &hits);
         let object = hit.geometry as usize;
         let solid = !matches!(scene.geometry[object].shape, Shape::Plane(_));
         if let (Some(medium), true) = (enclosed(scene, object), solid) {

@@ -1,39 +1,13 @@
-//! Colours by direction and by place: environment, pictures and checkers.
+//! Colours by direction and by place: pictures and checkers.
 
 use glam::{Vec2, Vec3};
 
-use super::queue::Rgb8;
-use crate::math::Real;
-use crate::scene::{Environment, Rgb, Texture};
-use crate::simd::{F32x8, Vec3x8};
-
-/// The environment's radiance in eight unit directions.
-#[inline]
-#[must_use]
-pub fn environment8(environment: &Environment, textures: &[Texture], dir: &Vec3x8) -> Rgb8 {
-    match environment {
-        Environment::Constant(colour) => Vec3x8::splat(*colour),
-        Environment::Gradient { nadir, horizon, zenith } => {
-            let s = dir.y.max(F32x8::from(-1.0)).min(F32x8::ONE);
-            let away = Vec3x8::select(s.lt(F32x8::ZERO), Vec3x8::splat(*nadir), Vec3x8::splat(*zenith));
-            let level = Vec3x8::splat(*horizon);
-            (away - level).fma(s.abs(), level)
-        }
-        Environment::LatLong { texture, scale, rotation } => {
-            let picture = &textures[*texture as usize];
-            let mut out = Vec3x8::splat(Vec3::ZERO);
-            for lane in 0..8 {
-                let uv = lat_long(dir.lane(lane), *rotation);
-                out.set_lane(lane, bilinear(picture, uv, Edge::Clamp) * *scale);
-            }
-            out
-        }
-    }
-}
+use crate::scene::{Rgb, Texture};
 
 /// Texture coordinates of a unit direction in an equirectangular picture turned by `rotation` radians about +y:
 /// `u = 1/2 + (atan2(x, -z) - rotation) / 2 pi`, `v = 1 - acos(y) / pi`.
-fn lat_long(dir: Vec3, rotation: f32) -> Vec2 {
+#[must_use]
+pub fn lat_long(dir: Vec3, rotation: f32) -> Vec2 {
     use std::f32::consts::{PI, TAU};
     Vec2::new(0.5 + (dir.x.atan2(-dir.z) - rotation) / TAU, 1.0 - dir.y.clamp(-1.0, 1.0).acos() / PI)
 }
@@ -105,20 +79,6 @@ mod tests {
         assert_eq!(bilinear(&t, Vec2::new(0.5, 0.75), Edge::Repeat), (Rgb::X + Rgb::Y) * 0.5);
         assert_eq!(bilinear(&t, Vec2::new(0.25, 1.0), Edge::Clamp), Rgb::X);
         assert!(bilinear(&t, Vec2::new(f32::NAN, f32::INFINITY), Edge::Repeat).is_finite());
-    }
-
-    #[test]
-    fn a_gradient_meets_its_three_colours() {
-        let sky = Environment::Gradient { nadir: Rgb::X, horizon: Rgb::Y, zenith: Rgb::Z };
-        let mut dir = Vec3x8::splat(Vec3::X);
-        dir.set_lane(1, Vec3::Y);
-        dir.set_lane(2, Vec3::NEG_Y);
-        dir.set_lane(3, Vec3::new(0.866, 0.5, 0.0));
-        let got = environment8(&sky, &[], &dir);
-        assert_eq!(got.lane(0), Rgb::Y);
-        assert_eq!(got.lane(1), Rgb::Z);
-        assert_eq!(got.lane(2), Rgb::X);
-        assert!((got.lane(3) - Rgb::new(0.0, 0.5, 0.5)).length() < 1e-6);
     }
 
     #[test]

@@ -1,23 +1,31 @@
 //! From scene to film: tiles of ray streams, traced, shaded eight at a time, and their secondary rays queued.
 //!
 //! One thread renders one tile at a time. A tile's camera rays are traced as one stream; what they meet is sorted by
-//! kind of surface and shaded eight at a time; the rays that follow wait in queues by depth and kind, and the deepest
+//! kind of surface into bins, and each bin goes through the stages it calls for, a stream at a time, eight lanes wide
+//! (`stages.rs`); the rays that follow wait in queues by depth and kind, and the deepest
 //! queue is taken first, a chunk at a time, so that memory is bounded by depth times chunk and not by 2^depth.
 
 mod accumulate;
+mod base;
 mod camera;
-mod direct;
+mod class;
 mod eye;
 mod lamp;
+mod light;
 mod lookup;
 mod media;
+mod medium;
 mod options;
 mod outcome;
 mod queue;
 pub mod reference;
-mod shade;
+mod shading;
 mod shadow;
+mod sky;
+mod split;
+mod stages;
 mod surface;
+mod through;
 mod tile;
 mod worker;
 
@@ -28,11 +36,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::accel::Intersector;
 use crate::image::Film;
-use crate::optics::{AtNormal, Exact, FresnelFormula, FresnelModel, Schlick};
 use crate::scene::Scene;
 use crate::{Error, Result};
+use stages::Stages;
 use tile::Tile;
 use worker::Worker;
+
+/// What one tile came to.
+struct TileResult {
+    tile: Tile,
+    pixels: Vec<([f32; 3], [f32; 3])>,
+}
 
 /// Renders `scene` with `accel`, which was built from `scene.geometry`.
 ///
@@ -41,37 +55,19 @@ use worker::Worker;
 /// # Errors
 /// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
-    match options.fresnel {
-        FresnelModel::Exact => render_with::<I, Exact>(scene, accel, options, observer),
-        FresnelModel::Schlick => render_with::<I, Schlick>(scene, accel, options, observer),
-        FresnelModel::Off => render_with::<I, AtNormal>(scene, accel, options, observer),
-    }
-}
-
-/// What one tile came to.
-struct TileResult {
-    tile: Tile,
-    pixels: Vec<([f32; 3], [f32; 3])>,
-}
-
-fn render_with<I: Intersector, F: FresnelFormula>(
-    scene: &Scene,
-    accel: &I,
-    options: &Options,
-    observer: &Observer,
-) -> Result<Outcome> {
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     let eye_media = eye::media_around(scene, accel);
+    let stages = Stages::of(scene, options);
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
-        let mut worker = Worker::new(scene, accel, &eye_media, observer);
+        let mut worker = Worker::new(scene, accel, &stages, options, &eye_media, observer);
         let mut results = Vec::new();
         while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-            worker.tile::<F>(&tile)?;
+            worker.tile(&tile)?;
             let samples = settings.samples * settings.samples;
-            let pixels = (0..tile.pixels()).map(|i| worker.accumulator.mean(i, samples)).collect();
+            let pixels = (0..tile.pixels()).map(|i| worker.shading.accumulator.mean(i, samples)).collect();
             results.push(TileResult { tile, pixels });
             observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
         }
@@ -134,10 +130,10 @@ struct Tally {
 impl Tally {
     fn of<I: Intersector>(worker: &Worker<I>) -> Self {
         Self {
-            rays: worker.counts.clone(),
-            non_finite: worker.accumulator.non_finite,
-            clamped: worker.accumulator.clamped,
-            unmatched_exits: worker.unmatched_exits,
+            rays: worker.shading.counts.clone(),
+            non_finite: worker.shading.accumulator.non_finite,
+            clamped: worker.shading.accumulator.clamped,
+            unmatched_exits: worker.shading.unmatched_exits,
         }
     }
 

@@ -2,13 +2,17 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 
-/// Choices of one render. None of them but `fresnel` changes the picture.
+/// Choices of one render. Threads and tiles do not change the picture.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Which Fresnel formula splits light.
     pub fresnel: FresnelModel,
+    /// Which formula bends light.
+    pub refraction: RefractionModel,
+    /// The constant of [`RefractionModel::Oliveira`]; no other formula looks at it.
+    pub oliveira: Oliveira,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
     /// Edge of a square tile in pixels, at least 1.
@@ -17,7 +21,13 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { fresnel: FresnelModel::Exact, threads: 0, tile: 32 }
+        Self {
+            fresnel: FresnelModel::Exact,
+            refraction: RefractionModel::Stable,
+            oliveira: Oliveira::GLASS,
+            threads: 0,
+            tile: 32,
+        }
     }
 }
 

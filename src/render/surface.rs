@@ -41,15 +41,80 @@ pub struct Surface8 {
     pub stack: [StackId; 8],
     /// Surfaces passed that were not there.
     pub passes: [u16; 8],
+    /// Lanes whose base counts: all that are active, unless the split stage finds a surface not to be there.
+    pub base_lanes: u8,
+    /// Weight of the base: that of the ray, unless the split stage leaves it less.
+    pub base_weight: Rgb8,
 }
 
 /// Place of a hit in a chunk: packet times eight plus lane.
 pub type HitRef = u32;
 
+/// Fills the list with the surfaces of a stream of hits, eight to each.
+pub type GatherStage = fn(&Scene, &Chunk, &[Hit8], &[HitRef], &mut Vec<Surface8>);
+
+/// Shapes that a stream of hits may hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shapes {
+    /// Triangles without normals of their own.
+    pub flat: bool,
+    /// Triangles with normals to interpolate.
+    pub smooth: bool,
+    /// Spheres.
+    pub spheres: bool,
+    /// Planes.
+    pub planes: bool,
+}
+
+impl Shapes {
+    /// Counts a shape in.
+    pub fn add(&mut self, shape: &Shape) {
+        match shape {
+            Shape::Mesh(mesh) if mesh.normal_indices.is_empty() => self.flat = true,
+            Shape::Mesh(_) => self.smooth = true,
+            Shape::Sphere(_) => self.spheres = true,
+            Shape::Plane(_) => self.planes = true,
+        }
+    }
+}
+
+/// The stage for some shapes, or for more than those.
+#[must_use]
+pub fn pick(shapes: Shapes) -> GatherStage {
+    match (shapes.flat, shapes.smooth, shapes.spheres, shapes.planes) {
+        (_, false, false, false) => gather::<true, false, false, false>,
+        (_, true, false, false) => gather::<true, true, false, false>,
+        (false, false, true, false) => gather::<false, false, true, false>,
+        (false, false, false, true) => gather::<false, false, false, true>,
+        (false, false, true, true) => gather::<false, false, true, true>,
+        (_, false, _, _) => gather::<true, false, true, true>,
+        // An unusual mix is left to the stage that knows all of them.
+        (_, true, _, _) => gather::<true, true, true, true>,
+    }
+}
+
+fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool>(
+    scene: &Scene,
+    chunk: &Chunk,
+    hits: &[Hit8],
+    refs: &[HitRef],
+    surfaces: &mut Vec<Surface8>,
+) {
+    surfaces.clear();
+    for eight in refs.chunks(8) {
+        surfaces.push(Surface8::gather::<MESHES, SMOOTH, SPHERES, PLANES>(scene, chunk, hits, eight));
+    }
+}
+
 impl Surface8 {
     /// Gathers up to eight hits (at least one) of a chunk.
-    #[must_use]
-    pub fn gather(scene: &Scene, chunk: &Chunk, hits: &[Hit8], refs: &[HitRef]) -> Self {
+    #[inline(always)]
+    fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool>(
+        scene: &Scene,
+        chunk: &Chunk,
+        hits: &[Hit8],
+        refs: &[HitRef],
+    ) -> Self {
         let mut incident = Vec3x8::splat(Vec3::Z);
         let (mut origin, mut weight, mut t) = (incident, incident, F32x8::ZERO);
         let (mut hit, mut material, mut pixel) = ([Hit::MISS; 8], [0; 8], [0; 8]);
@@ -66,21 +131,22 @@ impl Surface8 {
             t.set_lane(k, hit[k].t);
             material[k] = scene.objects[hit[k].geometry as usize].material;
         }
-        let place = Place::of(scene, &hit, origin, incident, t);
+        let place = Place::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
 
         // The geometric normal decides the side; both normals then face the ray.
         let facing = incident.dot(place.outward);
         let front = facing.lt(F32x8::ZERO);
         let normal = Vec3x8::select(front, place.outward, -place.outward);
-        let shading = if place.interpolated.any() {
+        let shading = if SMOOTH && place.interpolated.any() {
             let towards = place.shading.dot(normal).lt(F32x8::ZERO);
             let faced = Vec3x8::select(towards, -place.shading, place.shading);
             Vec3x8::select(place.interpolated, consistent_normal(incident, normal, faced), normal)
         } else {
             normal
         };
+        let active = ((1_u32 << refs.len()) - 1) as u8;
         Self {
-            active: ((1_u32 << refs.len()) - 1) as u8,
+            active,
             incident,
             point: place.point,
             normal,
@@ -94,7 +160,15 @@ impl Surface8 {
             pixel,
             stack,
             passes,
+            base_lanes: active,
+            base_weight: weight,
         }
+    }
+
+    /// The surface that the first lane of a chunk met, whatever its shape.
+    #[must_use]
+    pub fn one(scene: &Scene, chunk: &Chunk, hits: &[Hit8]) -> Self {
+        Self::gather::<true, true, true, true>(scene, chunk, hits, &[0])
     }
 
     /// Starts of rays that leave on the side the ray arrived from.
@@ -153,7 +227,14 @@ impl Place {
         Self { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
     }
 
-    fn of(scene: &Scene, hit: &[Hit; 8], origin: Vec3x8, dir: Vec3x8, t: F32x8) -> Self {
+    #[inline(always)]
+    fn of<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool>(
+        scene: &Scene,
+        hit: &[Hit; 8],
+        origin: Vec3x8,
+        dir: Vec3x8,
+        t: F32x8,
+    ) -> Self {
         let mut corners = [Vec3x8::splat(Vec3::ZERO), Vec3x8::splat(Vec3::X), Vec3x8::splat(Vec3::Y)];
         let mut corner_normals = [Vec3x8::splat(Vec3::Z); 3];
         let (mut smooth, mut spheres, mut planes) = (0_u8, 0_u8, 0_u8);
@@ -163,46 +244,55 @@ impl Place {
         let (mut u, mut v) = (F32x8::ZERO, F32x8::ZERO);
         for (k, h) in hit.iter().enumerate() {
             match &scene.geometry[h.geometry as usize].shape {
-                Shape::Mesh(mesh) => {
+                Shape::Mesh(mesh) if MESHES => {
                     let i = h.primitive as usize;
                     for (eight, one) in corners.iter_mut().zip(mesh.corners(i)) {
                         eight.set_lane(k, one);
                     }
                     u.set_lane(k, h.u);
                     v.set_lane(k, h.v);
-                    if let Some(normals) = mesh.corner_normals(i) {
+                    if let (true, Some(normals)) = (SMOOTH, mesh.corner_normals(i)) {
                         smooth |= 1 << k;
                         for (eight, one) in corner_normals.iter_mut().zip(normals) {
                             eight.set_lane(k, one);
                         }
                     }
                 }
-                Shape::Sphere(s) => {
+                Shape::Sphere(s) if SPHERES => {
                     spheres |= 1 << k;
                     anchor.set_lane(k, s.centre);
                     radius.set_lane(k, s.radius);
                 }
-                Shape::Plane(p) => {
+                Shape::Plane(p) if PLANES => {
                     planes |= 1 << k;
                     anchor.set_lane(k, p.point);
                     axis.set_lane(k, p.normal);
                 }
+                _ => debug_assert!(false, "a stage met a shape that it was not picked for"),
             }
         }
 
-        let mut place = Self::flat(Spot::on_triangle(corners, u, v));
-        if smooth != 0 {
+        let on_sphere = || Spot::on_sphere(anchor, radius, dir.fma(t, origin));
+        let on_plane = || Spot::on_plane(anchor, axis, dir.fma(t, origin));
+        let mut place = Self::flat(if MESHES {
+            Spot::on_triangle(corners, u, v)
+        } else if SPHERES {
+            on_sphere()
+        } else {
+            on_plane()
+        });
+        if SMOOTH && smooth != 0 {
             let mixed = corner_normals[0] * (F32x8::ONE - u - v) + corner_normals[1] * u + corner_normals[2] * v;
             // Opposed corner normals can cancel; the geometric one stands in there.
             let usable = Mask8::from_bits(smooth) & mixed.length_squared().gt(F32x8::from(1e-12));
             place.shading = Vec3x8::select(usable, mixed.normalized(), place.outward);
             place.interpolated = usable;
         }
-        if spheres != 0 {
-            place.replace(Mask8::from_bits(spheres), &Spot::on_sphere(anchor, radius, dir.fma(t, origin)));
+        if MESHES && SPHERES && spheres != 0 {
+            place.replace(Mask8::from_bits(spheres), &on_sphere());
         }
-        if planes != 0 {
-            place.replace(Mask8::from_bits(planes), &Spot::on_plane(anchor, axis, dir.fma(t, origin)));
+        if (MESHES || SPHERES) && PLANES && planes != 0 {
+            place.replace(Mask8::from_bits(planes), &on_plane());
         }
         place
     }

@@ -2,20 +2,21 @@
 
 use glam::Vec3;
 
-use super::accumulate::{Accumulator, set_lanes};
+use super::accumulate::set_lanes;
 use super::camera::{Lens, sample_offset};
-use super::lookup::environment8;
-use super::media::{MediaTable, StackId};
-use super::options::Observer;
-use super::outcome::{RayCounts, RayKind};
-use super::queue::{Chunk, Queue};
-use super::shade::{Class, lane_bits};
+use super::class::{BINS, bin_of};
+use super::media::StackId;
+use super::options::{Observer, Options};
+use super::outcome::RayKind;
+use super::queue::{Chunk, State8};
+use super::shading::Shading;
+use super::split::lane_bits;
+use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
 use super::tile::Tile;
 use crate::accel::{Coherence, Intersector};
-use crate::geometry::{GeometryMask, Hit8, Ray8};
-use crate::optics::FresnelFormula;
-use crate::scene::{Rgb, Scene, ShadowRule};
+use crate::geometry::{Hit8, Ray8};
+use crate::scene::Scene;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 use crate::{Error, Result};
 
@@ -27,28 +28,22 @@ const CHUNK_PACKETS: usize = 128;
 
 /// Everything a thread needs, kept from tile to tile so that nothing is allocated once it is warm.
 pub struct Worker<'a, I: Intersector> {
-    pub(super) scene: &'a Scene,
+    pub(super) stages: &'a Stages,
     pub(super) accel: &'a I,
+    pub(super) scratch: I::Scratch,
+    pub(super) shading: Shading<'a>,
     observer: &'a Observer,
     lens: Lens,
-    classes: Vec<Class>,
-    pub(super) has_base: Vec<bool>,
-    pub(super) media: MediaTable<'a>,
     eye_stack: StackId,
-    pub(super) shadow_admits: GeometryMask,
-    pub(super) march_shadows: bool,
+    /// By object.
+    bin_of: Vec<u8>,
 
-    pub(super) accumulator: Accumulator,
-    pub(super) counts: RayCounts,
-    pub(super) unmatched_exits: u64,
-
-    /// By depth; reflected and transmitted rays apart, since they part ways.
-    queues: Vec<[Queue; 2]>,
-    pub(super) shadows: Queue,
     chunk: Chunk,
     hits: Vec<Hit8>,
-    bins: [Vec<HitRef>; Class::COUNT],
+    bins: [Vec<HitRef>; BINS],
     misses: Vec<HitRef>,
+    pub(super) surfaces: Vec<Surface8>,
+    bases: Vec<super::base::Base8>,
     pub(super) shadow_chunk: Chunk,
     pub(super) shadow_hits: Vec<Hit8>,
     /// Lengths of the shadow rays, while they are cut short of their lamps.
@@ -57,44 +52,42 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) blocked: Vec<Mask8>,
     /// Lanes of shadow packets whose light arrives.
     pub(super) arrived: Vec<u8>,
-    pub(super) scratch: I::Scratch,
 }
 
 impl<'a, I: Intersector> Worker<'a, I> {
     /// A worker for one render; `eye_media` are the media around the eye, in the order they were entered.
-    pub fn new(scene: &'a Scene, accel: &'a I, eye_media: &[u32], observer: &'a Observer) -> Self {
-        let mut media = MediaTable::new(&scene.media);
-        let eye_stack = media.stack_of(eye_media);
-        let transmissive = scene.geometry.iter().any(|g| g.mask.meets(GeometryMask::TRANSMISSIVE));
-        let absorbing = scene.media.iter().any(|m| m.absorption != Rgb::ZERO);
-        let march_shadows = (transmissive || absorbing) && scene.settings.shadows == ShadowRule::Straight;
+    pub fn new(
+        scene: &'a Scene,
+        accel: &'a I,
+        stages: &'a Stages,
+        options: &Options,
+        eye_media: &[u32],
+        observer: &'a Observer,
+    ) -> Self {
+        let mut shading = Shading::new(scene, options.oliveira, stages.shadow_admits);
+        let eye_stack = shading.media.stack_of(eye_media);
+        let bin = |object: &crate::scene::Object| bin_of(&scene.materials[object.material as usize]) as u8;
         Self {
-            scene,
+            stages,
             accel,
+            scratch: I::Scratch::default(),
+            shading,
             observer,
             lens: Lens::new(&scene.camera, scene.settings.width, scene.settings.height),
-            classes: scene.objects.iter().map(|o| Class::of(&scene.materials[o.material as usize])).collect(),
-            has_base: scene.materials.iter().map(super::direct::has_base).collect(),
-            media,
             eye_stack,
-            shadow_admits: if march_shadows { GeometryMask::OPAQUE } else { GeometryMask::ALL },
-            march_shadows,
-            accumulator: Accumulator::default(),
-            counts: RayCounts::default(),
-            unmatched_exits: 0,
-            queues: Vec::new(),
-            shadows: Queue::default(),
+            bin_of: scene.objects.iter().map(bin).collect(),
             chunk: Chunk::default(),
             hits: Vec::new(),
             bins: Default::default(),
             misses: Vec::new(),
+            surfaces: Vec::new(),
+            bases: Vec::new(),
             shadow_chunk: Chunk::default(),
             shadow_hits: Vec::new(),
             shadow_ends: Vec::new(),
             shadow_refs: Vec::new(),
             blocked: Vec::new(),
             arrived: Vec::new(),
-            scratch: I::Scratch::default(),
         }
     }
 
@@ -102,18 +95,18 @@ impl<'a, I: Intersector> Worker<'a, I> {
     ///
     /// # Errors
     /// [`Error::Interrupted`] once the observer says stop.
-    pub fn tile<F: FresnelFormula>(&mut self, tile: &Tile) -> Result<()> {
-        self.accumulator.reset(tile.pixels());
-        let n = self.scene.settings.samples;
+    pub fn tile(&mut self, tile: &Tile) -> Result<()> {
+        self.shading.accumulator.reset(tile.pixels());
+        let n = self.shading.scene.settings.samples;
         for sample in 0..n * n {
             let mut chunk = std::mem::take(&mut self.chunk);
             chunk.clear();
             self.camera_rays(tile, sample % n, sample / n, &mut chunk);
-            self.step::<F>(&mut chunk, 0, RayKind::Camera)?;
-            while let Some((depth, kind)) = self.deepest() {
+            self.step(&mut chunk, 0, RayKind::Camera)?;
+            while let Some((depth, kind)) = self.shading.deepest() {
                 chunk.clear();
-                self.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
-                self.step::<F>(&mut chunk, depth, kind)?;
+                self.shading.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
+                self.step(&mut chunk, depth, kind)?;
             }
             self.chunk = chunk;
         }
@@ -122,7 +115,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
 
     /// Fills the chunk with one camera ray for each pixel of the tile: packets of 4 by 2 pixels, in blocks of 8 by 8.
     fn camera_rays(&self, tile: &Tile, sample_x: u32, sample_y: u32, chunk: &mut Chunk) {
-        let n = self.scene.settings.samples;
+        let n = self.shading.scene.settings.samples;
         let (dx, dy) = (sample_offset(sample_x, n), sample_offset(sample_y, n));
         for block in tile.packets() {
             let at = |k: usize| block.pixel(tile, k);
@@ -134,7 +127,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             let y = F32x8::from_fn(|k| block.y(k) as f32) + dy;
             let (origin, dir) = self.lens.rays8(x, y);
             chunk.rays.push(Ray8 { origin, dir, active, ..Ray8::default() });
-            chunk.states.push(super::queue::State8 {
+            chunk.states.push(State8 {
                 weight: Vec3x8::splat(Vec3::ONE),
                 pixel: std::array::from_fn(|k| at(k).unwrap_or(0)),
                 stack: [self.eye_stack; 8],
@@ -144,89 +137,64 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// The queue for rays of one kind at one depth.
-    pub(super) fn queue(&mut self, kind: RayKind, depth: usize) -> &mut Queue {
-        if self.queues.len() <= depth {
-            self.queues.resize_with(depth + 1, Default::default);
-        }
-        &mut self.queues[depth][usize::from(kind == RayKind::Transmitted)]
-    }
-
-    /// The deepest queue that holds anything: taking from it first keeps the others short.
-    fn deepest(&self) -> Option<(usize, RayKind)> {
-        self.queues.iter().enumerate().rev().find_map(|(depth, [reflected, transmitted])| {
-            if transmitted.len() > reflected.len() {
-                Some((depth, RayKind::Transmitted))
-            } else if !reflected.is_empty() {
-                Some((depth, RayKind::Reflected))
-            } else {
-                None
-            }
-        })
-    }
-
-    /// Traces a chunk, sorts what it met by kind of surface, and shades each kind eight at a time.
-    fn step<F: FresnelFormula>(&mut self, chunk: &mut Chunk, depth: usize, kind: RayKind) -> Result<()> {
+    /// Traces a chunk, sorts what it met into bins, and takes each bin through its stages.
+    fn step(&mut self, chunk: &mut Chunk, depth: usize, kind: RayKind) -> Result<()> {
         if self.observer.stop.load(std::sync::atomic::Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
-        self.counts.add(kind, depth, chunk.len());
+        self.shading.counts.add(kind, depth, chunk.len());
         let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
         let mut hits = std::mem::take(&mut self.hits);
         hits.clear();
         hits.resize(chunk.rays.len(), Hit8::default());
         self.accel.closest(&chunk.rays, &mut hits, coherence, &mut self.scratch);
 
-        self.absorb_and_sort(chunk, &hits);
-        self.shade_misses(chunk);
-        for class in 0..Class::COUNT {
-            let refs = std::mem::take(&mut self.bins[class]);
-            for eight in refs.chunks(8) {
-                let surface = Surface8::gather(self.scene, chunk, &hits, eight);
-                let class = self.classes[surface.hit[0].geometry as usize];
-                self.shade::<F>(class, &surface, depth);
-                if self.shadows.len() >= CHUNK_PACKETS * 8 {
-                    self.flush_shadows::<F>(depth, coherence);
-                }
-            }
-            self.bins[class] = refs;
+        let stages = self.stages;
+        if let Some(medium) = stages.medium {
+            medium(&self.shading, chunk, &hits);
         }
-        self.flush_shadows::<F>(depth, coherence);
+        self.sort(chunk, &hits);
+        (stages.miss)(&mut self.shading, chunk, &self.misses);
+        for (bin, stages) in stages.bins.iter().enumerate() {
+            let Some(stages) = stages else { continue };
+            let refs = std::mem::take(&mut self.bins[bin]);
+            for stream in refs.chunks(STREAM) {
+                (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.surfaces);
+                self.shade(stages, depth, coherence);
+            }
+            self.bins[bin] = refs;
+        }
+        self.flush_shadows(depth, coherence);
         self.hits = hits;
         Ok(())
     }
 
-    fn absorb_and_sort(&mut self, chunk: &mut Chunk, hits: &[Hit8]) {
-        self.misses.clear();
-        self.bins.iter_mut().for_each(Vec::clear);
-        for (packet, (ray, hit)) in chunk.rays.iter().zip(hits).enumerate() {
-            let state = &mut chunk.states[packet];
-            if let Some(left) = self.absorbed(ray.active, &state.stack, hit.t + state.lead) {
-                state.weight = state.weight.times(left);
-            }
-            for lane in set_lanes(ray.active) {
-                let place = (packet * 8 + lane) as HitRef;
-                match self.classes.get(hit.geometry[lane] as usize) {
-                    Some(&class) => self.bins[class as usize].push(place),
-                    None => self.misses.push(place),
-                }
-            }
+    /// Takes the surfaces of a stream through the stages of their bin.
+    fn shade(&mut self, stages: &BinStages, depth: usize, coherence: Coherence) {
+        if let Some(split) = stages.split {
+            split(&mut self.shading, &mut self.surfaces, depth);
+        }
+        let Some(base) = stages.base else { return };
+        base(&mut self.shading, &self.surfaces, &mut self.bases);
+        for &(light, shine) in &stages.lights {
+            shine(&mut self.shading, light, &self.surfaces, &self.bases);
+        }
+        if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
+            self.flush_shadows(depth, coherence);
         }
     }
 
-    fn shade_misses(&mut self, chunk: &Chunk) {
-        let mut from = 0;
-        while from < self.misses.len() {
-            // Misses of one packet are neighbours in the list and are looked up together.
-            let packet = self.misses[from] as usize >> 3;
-            let mut lanes = 0;
-            while from < self.misses.len() && self.misses[from] as usize >> 3 == packet {
-                lanes |= 1 << (self.misses[from] & 7);
-                from += 1;
+    fn sort(&mut self, chunk: &Chunk, hits: &[Hit8]) {
+        self.misses.clear();
+        self.bins.iter_mut().for_each(Vec::clear);
+        for (packet, (ray, hit)) in chunk.rays.iter().zip(hits).enumerate() {
+            for lane in set_lanes(ray.active) {
+                let place = (packet * 8 + lane) as HitRef;
+                match self.bin_of.get(hit.geometry[lane] as usize) {
+                    Some(&bin) => self.bins[bin as usize].push(place),
+                    None => self.misses.push(place),
+                }
             }
-            let state = &chunk.states[packet];
-            let seen = environment8(&self.scene.environment, &self.scene.textures, &chunk.rays[packet].dir);
-            self.accumulator.add_radiance8(lanes, &state.pixel, &seen.times(state.weight));
         }
     }
 }

@@ -24,7 +24,7 @@ use super::{Observer, Options, Outcome};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::image::Film;
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Material, Scene};
 use crate::{Error, Result};
 use media::MediumStack;
@@ -37,17 +37,26 @@ pub struct Prepared<'a> {
     scene: &'a Scene,
     accel: Reference,
     fresnel: FresnelModel,
+    refraction: RefractionModel,
+    oliveira: Oliveira,
     /// What camera rays start in.
     stack: MediumStack,
 }
 
 impl<'a> Prepared<'a> {
-    /// Builds the hierarchy and finds the media around the eye.
+    /// [`Prepared::with`] options that differ from the default ones in the Fresnel formula alone.
     #[must_use]
     pub fn new(scene: &'a Scene, fresnel: FresnelModel) -> Self {
+        Self::with(scene, &Options { fresnel, ..Options::default() })
+    }
+
+    /// Builds the hierarchy and finds the media around the eye.
+    #[must_use]
+    pub fn with(scene: &'a Scene, options: &Options) -> Self {
+        let &Options { fresnel, refraction, oliveira, .. } = options;
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        Self { scene, accel, fresnel, stack }
+        Self { scene, accel, fresnel, refraction, oliveira, stack }
     }
 
     /// What was built.
@@ -124,7 +133,7 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
         .num_threads(options.threads)
         .build()
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
-    let prepared = Prepared::new(scene, options.fresnel);
+    let prepared = Prepared::with(scene, options);
     let (width, height) = (scene.settings.width, scene.settings.height);
     let rows: Vec<Row> = pool
         .install(|| (0..height).into_par_iter().map(|y| row(&prepared, width, y, observer)).collect::<Result<_>>())?;

@@ -9,7 +9,10 @@ use super::surface::Surface;
 use super::{Prepared, Tally, colour};
 use crate::accel::reference::Ray64;
 use crate::math::Vector3;
-use crate::optics::{Boundary, below_surface, consistent_normal, reflect, thin_reflectance, transmittance};
+use crate::optics::{
+    Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
+    StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
+};
 use crate::render::RayKind;
 use crate::scene::{Highlight, HighlightModel, Interface, Material, MirrorSource};
 
@@ -144,13 +147,19 @@ impl<'a> Tracer<'a> {
                 let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
                 self.reflected(at, r);
                 if !crossing.total {
-                    let dir: Vector3<f64> = boundary.refract(at.ray.dir.into(), at.shading.into(), &crossing);
+                    let share = (one - r) * tint.as_dvec3();
+                    let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
                     // Light that is not bent at all goes on as it came.
-                    let dir = match at.surface.interpolated {
-                        Some(_) if boundary.kc != 0.0 => below_surface(dir, at.geometric.into()),
-                        _ => dir,
-                    };
-                    self.send(at, RayKind::Transmitted, dir.into(), (one - r) * tint.as_dvec3(), beyond);
+                    if boundary.kc == 0.0 {
+                        self.send(at, RayKind::Transmitted, at.ray.dir, share, beyond);
+                    } else if total {
+                        self.tally.truncated += at.ray.weight * share;
+                    } else if at.surface.interpolated.is_some() {
+                        let dir = below_surface(direction, at.geometric.into());
+                        self.send(at, RayKind::Transmitted, dir.into(), share, beyond);
+                    } else {
+                        self.send(at, RayKind::Transmitted, direction.into(), share, beyond);
+                    }
                 }
             }
             Interface::ThinDielectric { ior, rule, tint } => {
@@ -230,6 +239,29 @@ impl<'a> Tracer<'a> {
         let (share, unmatched_exits) = let_through(self.prepared, &ray, &at.ray.stack);
         self.tally.unmatched_exits += unmatched_exits;
         share
+    }
+}
+
+impl Prepared<'_> {
+    /// The refracted direction by the chosen formula.
+    fn refract(&self, boundary: &Boundary<f64>, at: &Arrival, crossing: &Crossing<f64>) -> Refracted<f64> {
+        fn by<F: RefractionFormula>(
+            formula: F,
+            boundary: &Boundary<f64>,
+            at: &Arrival,
+            crossing: &Crossing<f64>,
+        ) -> Refracted<f64> {
+            formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+        }
+        match self.refraction {
+            RefractionModel::Stable => by(Stable, boundary, at, crossing),
+            RefractionModel::Trigonometric => by(Trigonometric, boundary, at, crossing),
+            RefractionModel::Heckbert => by(Heckbert, boundary, at, crossing),
+            RefractionModel::Bec => by(Bec, boundary, at, crossing),
+            RefractionModel::SlidesVector => by(SlidesVector, boundary, at, crossing),
+            RefractionModel::Oliveira => by(self.oliveira, boundary, at, crossing),
+            RefractionModel::StraightThrough => by(StraightThrough, boundary, at, crossing),
+        }
     }
 }
 

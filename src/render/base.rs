@@ -1,0 +1,115 @@
+//! The base of a surface: what it emits, its ambient share, and what it makes of light.
+
+use glam::Vec3;
+
+use super::lookup::{Edge, bilinear, checker_is_even};
+use super::queue::Rgb8;
+use super::shading::Shading;
+use super::surface::Surface8;
+use crate::scene::{Colour, HighlightModel, Material, Scene};
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// Eight bases, gathered from their materials.
+#[derive(Clone, Copy, Debug)]
+pub struct Base8 {
+    /// Lambert albedo.
+    pub diffuse: Rgb8,
+    /// Colour of the highlight.
+    pub highlight: Rgb8,
+    /// Its exponent.
+    pub exponent: F32x8,
+    /// Lanes whose highlight is Blinn's rather than Phong's.
+    pub blinn: Mask8,
+    /// Lanes that have a highlight.
+    pub shiny: Mask8,
+    /// Whether any lane answers to light.
+    pub lit: bool,
+}
+
+/// Gathers the bases of a stream of surfaces, and adds to their pixels what needs no light.
+pub type BaseStage = fn(&mut Shading, &[Surface8], &mut Vec<Base8>);
+
+/// Whether a material sends anything but secondary rays.
+#[must_use]
+pub fn has_base(material: &Material) -> bool {
+    answers_light(material) || material.emission != Vec3::ZERO || material.ambient != Vec3::ZERO
+}
+
+/// Whether light makes a difference to a material.
+#[must_use]
+pub fn answers_light(material: &Material) -> bool {
+    material.diffuse != Colour::Constant(Vec3::ZERO) || material.highlight.is_some()
+}
+
+/// The stage for materials some of which are `textured`, have highlights (`shiny`), or send light of their own
+/// (`glowing`).
+#[must_use]
+pub fn pick(textured: bool, shiny: bool, glowing: bool) -> BaseStage {
+    match (textured, shiny, glowing) {
+        (false, false, false) => gather::<false, false, false>,
+        (false, false, true) => gather::<false, false, true>,
+        (false, true, false) => gather::<false, true, false>,
+        (false, true, true) => gather::<false, true, true>,
+        (true, false, false) => gather::<true, false, false>,
+        (true, false, true) => gather::<true, false, true>,
+        (true, true, false) => gather::<true, true, false>,
+        (true, true, true) => gather::<true, true, true>,
+    }
+}
+
+fn gather<const TEXTURED: bool, const SHINY: bool, const GLOWING: bool>(
+    shading: &mut Shading,
+    surfaces: &[Surface8],
+    bases: &mut Vec<Base8>,
+) {
+    let scene = shading.scene;
+    bases.clear();
+    for surface in surfaces {
+        let mut base = Base8 {
+            diffuse: Vec3x8::splat(Vec3::ZERO),
+            highlight: Vec3x8::splat(Vec3::ZERO),
+            exponent: F32x8::ZERO,
+            blinn: Mask8::NONE,
+            shiny: Mask8::NONE,
+            lit: false,
+        };
+        let mut glow = Vec3x8::splat(Vec3::ZERO);
+        let (mut blinn, mut shiny) = (0, 0);
+        for k in 0..8 {
+            let material = &scene.materials[surface.material[k] as usize];
+            let diffuse = colour::<TEXTURED>(scene, &material.diffuse, surface, k);
+            base.diffuse.set_lane(k, diffuse);
+            base.lit |= diffuse != Vec3::ZERO;
+            if GLOWING {
+                glow.set_lane(k, material.emission + material.ambient * scene.ambient);
+            }
+            if let (true, Some(highlight)) = (SHINY, material.highlight) {
+                base.highlight.set_lane(k, highlight.colour);
+                base.exponent.set_lane(k, highlight.exponent);
+                blinn |= u8::from(highlight.model == HighlightModel::BlinnPhong) << k;
+                shiny |= 1 << k;
+                base.lit = true;
+            }
+        }
+        (base.blinn, base.shiny) = (Mask8::from_bits(blinn), Mask8::from_bits(shiny));
+        if GLOWING {
+            let sent = glow.times(surface.base_weight);
+            shading.accumulator.add_radiance8(surface.base_lanes, &surface.pixel, &sent);
+        }
+        bases.push(base);
+    }
+}
+
+#[inline(always)]
+fn colour<const TEXTURED: bool>(scene: &Scene, colour: &Colour, surface: &Surface8, k: usize) -> Vec3 {
+    match colour {
+        Colour::Constant(c) => *c,
+        Colour::Image { texture, scale } if TEXTURED => {
+            bilinear(&scene.textures[*texture as usize], surface.uv(scene, k), Edge::Repeat) * *scale
+        }
+        Colour::Checker { even, odd, size, offset } if TEXTURED => {
+            if checker_is_even(surface.point.lane(k), *size, *offset) { *even } else { *odd }
+        }
+        Colour::Image { .. } | Colour::Checker { .. } => Vec3::ZERO,
+    }
+}

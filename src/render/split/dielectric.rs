@@ -1,0 +1,155 @@
+//! Boundaries of transparent solids and liquids: light is reflected and refracted.
+
+use super::super::media::{StackId, Transition};
+use super::super::outcome::RayKind;
+use super::super::queue::{Rgb8, Spawn8};
+use super::super::shading::Shading;
+use super::super::surface::Surface8;
+use super::super::worker::MOST_PASSES;
+use super::{SplitStage, WHITE, gather_boundaries, lane_bits, reflected};
+use crate::geometry::GeometryMask;
+use crate::math::Real;
+use crate::optics::{
+    Bec, Boundary, FresnelFormula, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector,
+    Stable, StraightThrough, Trigonometric, below_surface, reflect,
+};
+use crate::scene::{FresnelRule, Interface, Rgb};
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// The stage for a formula.
+#[must_use]
+pub(super) fn pick<F: FresnelFormula>(model: RefractionModel) -> SplitStage {
+    match model {
+        RefractionModel::Stable => split::<F, Stable>,
+        RefractionModel::Trigonometric => split::<F, Trigonometric>,
+        RefractionModel::Heckbert => split::<F, Heckbert>,
+        RefractionModel::Bec => split::<F, Bec>,
+        RefractionModel::SlidesVector => split::<F, SlidesVector>,
+        RefractionModel::Oliveira => split::<F, Oliveira>,
+        RefractionModel::StraightThrough => split::<F, StraightThrough>,
+    }
+}
+
+/// How a stage, which is a type alone, comes by the values of its formula.
+trait OfRender: RefractionFormula {
+    fn of(shading: &Shading) -> Self;
+}
+
+impl OfRender for Oliveira {
+    fn of(shading: &Shading) -> Self {
+        shading.oliveira
+    }
+}
+
+macro_rules! without_values {
+    ($($formula:ty),*) => {$(
+        impl OfRender for $formula {
+            fn of(_: &Shading) -> Self {
+                Self
+            }
+        }
+    )*};
+}
+
+without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThrough);
+
+fn split<F: FresnelFormula, R: OfRender>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
+    let formula = R::of(shading);
+    for surface in surfaces {
+        let (boundary, beyond) = enter(shading, surface, depth);
+        let lanes = surface.base_lanes;
+        if lanes == 0 {
+            continue;
+        }
+        let at = boundary.cross(-surface.incident.dot(surface.shading));
+        let share = ruled(shading, surface, Vec3x8::all(F::dielectric(&boundary, &at)), at.total);
+        let tint =
+            shading.colours(surface, |i| if let Interface::Dielectric { tint, .. } = i { *tint } else { Rgb::ONE });
+
+        let dir = reflect(surface.incident, surface.shading);
+        reflected(shading, surface, lanes, dir, surface.weight.times(share), depth);
+
+        let refracting = lanes & !at.total.bits();
+        if refracting != 0 {
+            let Refracted { direction, total } = formula.refract(&boundary, surface.incident, surface.shading, &at);
+            let dir = direction.normalized();
+            let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
+            // Light that is not bent at all stays so to the bit.
+            let straight = boundary.kc.eq(F32x8::ZERO);
+            let dir = Vec3x8::select(straight, surface.incident, dir);
+            let weight = surface.weight.times(WHITE - share).times(tint);
+            // A formula may know no direction where there is one; what it would carry is not in the picture.
+            let lost = total.bits() & !straight.bits() & refracting;
+            shading.accumulator.add_truncated8(lost, &surface.pixel, &weight);
+            let new = Spawn8 {
+                origin: surface.below(),
+                dir,
+                t_max: F32x8::INFINITY,
+                admits: GeometryMask::ALL,
+                weight,
+                pixel: &surface.pixel,
+                stack: &beyond,
+                lead: surface.lead(dir),
+                passes: &[0; 8],
+            };
+            shading.spawn(refracting & !lost, &new, RayKind::Transmitted, depth);
+        }
+    }
+}
+
+/// What each lane meets, and the media beyond. Rays at boundaries that are not there go on; the others are left in
+/// `base_lanes`.
+#[inline(always)]
+fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> (Boundary<F32x8>, [StackId; 8]) {
+    let mut transitions = [None::<Transition>; 8];
+    for (k, slot) in transitions.iter_mut().enumerate() {
+        if let Interface::Dielectric { medium, .. } = *shading.interface(surface, k) {
+            let crossing = shading.media.cross(surface.stack[k], medium, surface.front.lane(k));
+            shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
+            *slot = Some(crossing);
+        }
+    }
+    let beyond = transitions.map(|t| t.map_or(StackId::default(), |t| t.beyond));
+    let real = lane_bits(|k| transitions[k].is_some_and(|t| t.real));
+    surface.base_lanes = surface.active & real;
+    let absent = surface.active & !real;
+    if absent != 0 {
+        pass(shading, surface, absent, &beyond, depth);
+    }
+    (gather_boundaries(|k| transitions[k].map_or(Boundary::new(1.0, 1.0), |t| t.boundary)), beyond)
+}
+
+/// Sends rays on through surfaces that are not there: same depth, same weight.
+fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId; 8], depth: usize) {
+    let passes = surface.passes.map(|n| n + 1);
+    let spent = lane_bits(|k| passes[k] > MOST_PASSES) & lanes;
+    shading.accumulator.add_truncated8(spent, &surface.pixel, &surface.weight);
+    let new = Spawn8 {
+        origin: surface.below(),
+        dir: surface.incident,
+        t_max: F32x8::INFINITY,
+        admits: GeometryMask::ALL,
+        weight: surface.weight,
+        pixel: &surface.pixel,
+        stack: beyond,
+        lead: surface.lead(surface.incident),
+        passes: &passes,
+    };
+    shading.queue(RayKind::Transmitted, depth).push8(lanes & !spent, &new);
+}
+
+/// The reflected share by each lane's rule: Fresnel's, or a fixed one unless the reflection is total.
+#[inline(always)]
+pub(super) fn ruled(shading: &Shading, surface: &Surface8, fresnel: Rgb8, total: Mask8) -> Rgb8 {
+    let mut fixed = 0;
+    let mut share = fresnel;
+    for k in 0..8 {
+        if let Interface::Dielectric { rule: FresnelRule::Fixed(colour), .. }
+        | Interface::ThinDielectric { rule: FresnelRule::Fixed(colour), .. } = *shading.interface(surface, k)
+        {
+            fixed |= 1 << k;
+            share.set_lane(k, colour);
+        }
+    }
+    Vec3x8::select(Mask8::from_bits(fixed) & !total, share, fresnel)
+}

@@ -1,0 +1,48 @@
+//! Mirrors and metals: all that goes on is reflected.
+
+use super::super::shading::Shading;
+use super::super::sky::Sky;
+use super::super::surface::Surface8;
+use super::reflected;
+use crate::optics::{FresnelFormula, reflect};
+use crate::scene::{Interface, Rgb};
+use crate::simd::F32x8;
+
+fn reflectance(interface: &Interface) -> Rgb {
+    if let Interface::Mirror { reflectance, .. } = interface { *reflectance } else { Rgb::ZERO }
+}
+
+/// Mirrors whose reflected rays are traced.
+pub(super) fn traced(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
+    for surface in surfaces {
+        let share = shading.colours(surface, reflectance);
+        let dir = reflect(surface.incident, surface.shading);
+        reflected(shading, surface, surface.active, dir, surface.weight.times(share), depth);
+    }
+}
+
+/// Mirrors that show the environment, whatever stands between.
+pub(super) fn of_environment<S: Sky>(shading: &mut Shading, surfaces: &mut [Surface8], _depth: usize) {
+    let scene = shading.scene;
+    for surface in surfaces {
+        let share = shading.colours(surface, reflectance);
+        let seen = S::radiance(&scene.environment, &scene.textures, &reflect(surface.incident, surface.shading));
+        let sent = seen.times(surface.weight.times(share));
+        shading.accumulator.add_radiance8(surface.active, &surface.pixel, &sent);
+    }
+}
+
+/// Metals.
+pub(super) fn conductor<F: FresnelFormula>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
+    for surface in surfaces {
+        // A metal's index counts relative to what the light comes through.
+        let outside = F32x8::from_fn(|k| shading.media.ior(surface.stack[k]) as f32);
+        let relative = F32x8::ONE / outside;
+        let eta = shading.colours(surface, |i| if let Interface::Conductor { eta, .. } = i { *eta } else { Rgb::ONE });
+        let k = shading.colours(surface, |i| if let Interface::Conductor { k, .. } = i { *k } else { Rgb::ZERO });
+        let cos_i = -surface.incident.dot(surface.shading);
+        let reflectance = F::conductor_rgb(cos_i, eta * relative, k * relative);
+        let dir = reflect(surface.incident, surface.shading);
+        reflected(shading, surface, surface.active, dir, surface.weight.times(reflectance), depth);
+    }
+}

@@ -1,0 +1,101 @@
+//! The split stage: where light goes on from a surface, one function for each class, over a stream of its surfaces.
+
+mod dielectric;
+mod film;
+mod mirror;
+
+use super::class::Class;
+use super::options::Options;
+use super::outcome::RayKind;
+use super::queue::{Rgb8, Spawn8};
+use super::shading::Shading;
+use super::surface::Surface8;
+use crate::geometry::GeometryMask;
+use crate::math::Vector3;
+use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, FresnelModel, Schlick};
+use crate::scene::{Environment, Scene};
+use crate::simd::{F32x8, Vec3x8};
+
+/// Queues what follows from a stream of surfaces of one class, met by rays of the depth given, and settles what their
+/// bases weigh.
+pub type SplitStage = fn(&mut Shading, &mut [Surface8], usize);
+
+const WHITE: Vec3x8 = Vector3::new(F32x8::ONE, F32x8::ONE, F32x8::ONE);
+
+/// The stage for a class; none where light ends.
+#[must_use]
+pub fn pick(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
+    match options.fresnel {
+        FresnelModel::Exact => pick_for::<Exact>(class, scene, options),
+        FresnelModel::Schlick => pick_for::<Schlick>(class, scene, options),
+        FresnelModel::Off => pick_for::<AtNormal>(class, scene, options),
+    }
+}
+
+fn pick_for<F: FresnelFormula>(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
+    match class {
+        Class::Opaque => None,
+        Class::Mirror => Some(mirror::traced),
+        Class::MirrorOfEnvironment => Some(match scene.environment {
+            Environment::Constant(_) => mirror::of_environment::<super::sky::Constant>,
+            Environment::Gradient { .. } => mirror::of_environment::<super::sky::Gradient>,
+            Environment::LatLong { .. } => mirror::of_environment::<super::sky::LatLong>,
+        }),
+        Class::Conductor => Some(mirror::conductor::<F>),
+        Class::Dielectric => Some(dielectric::pick::<F>(options.refraction)),
+        Class::Thin => Some(film::thin::<F>),
+        Class::Coated => Some(film::coated::<F>),
+        Class::Alpha => Some(film::alpha),
+    }
+}
+
+/// Sends reflected rays.
+#[inline(always)]
+fn reflected(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
+    let dir = dir.normalized();
+    let new = Spawn8 {
+        origin: surface.above(),
+        dir,
+        t_max: F32x8::INFINITY,
+        admits: GeometryMask::ALL,
+        weight,
+        pixel: &surface.pixel,
+        stack: &surface.stack,
+        lead: surface.lead(dir),
+        passes: &[0; 8],
+    };
+    shading.spawn(lanes, &new, RayKind::Reflected, depth);
+}
+
+/// Sends rays on as they came.
+#[inline(always)]
+fn straight_on(shading: &mut Shading, surface: &Surface8, lanes: u8, weight: Rgb8, depth: usize) {
+    let new = Spawn8 {
+        origin: surface.below(),
+        dir: surface.incident,
+        t_max: F32x8::INFINITY,
+        admits: GeometryMask::ALL,
+        weight,
+        pixel: &surface.pixel,
+        stack: &surface.stack,
+        lead: surface.lead(surface.incident),
+        passes: &[0; 8],
+    };
+    shading.spawn(lanes, &new, RayKind::Transmitted, depth);
+}
+
+/// Bits by a predicate of the lane number.
+pub(super) fn lane_bits(f: impl Fn(usize) -> bool) -> u8 {
+    (0..8).fold(0, |bits, k| bits | u8::from(f(k)) << k)
+}
+
+/// Eight boundaries in structure-of-arrays.
+pub(super) fn gather_boundaries(at: impl Fn(usize) -> Boundary<f32>) -> Boundary<F32x8> {
+    let all: [Boundary<f32>; 8] = std::array::from_fn(at);
+    Boundary {
+        eta: F32x8::from_fn(|k| all[k].eta),
+        kc: F32x8::from_fn(|k| all[k].kc),
+        kc_low: F32x8::from_fn(|k| all[k].kc_low),
+        r0: F32x8::from_fn(|k| all[k].r0),
+    }
+}

@@ -1,0 +1,126 @@
+//! The stage that takes light straight through transmissive surfaces, as shadow rays go.
+
+use super::media::StackId;
+use super::queue::{Chunk, Rgb8};
+use super::shading::Shading;
+use super::split::gather_boundaries;
+use super::surface::{HitRef, Surface8};
+use crate::geometry::Hit8;
+use crate::math::Real;
+use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, FresnelModel, Schlick, thin_reflectance};
+use crate::scene::{FresnelRule, Interface, Rgb};
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// Weakens shadow rays at the transmissive surfaces they met, and starts them again behind.
+pub type PassStage = fn(&mut Shading, &mut Chunk, &[Hit8], &[HitRef], &[Surface8]);
+
+/// Settles the last stretch of shadow rays that meet nothing more, up to the light: some lanes of a packet.
+pub type FinishStage = fn(&Shading, &mut Chunk, usize, u8);
+
+/// The stage for a Fresnel formula, where media absorb or none does.
+#[must_use]
+pub fn pick(model: FresnelModel, absorbing: bool) -> PassStage {
+    match (model, absorbing) {
+        (FresnelModel::Exact, false) => pass::<Exact, false>,
+        (FresnelModel::Exact, true) => pass::<Exact, true>,
+        (FresnelModel::Schlick, false) => pass::<Schlick, false>,
+        (FresnelModel::Schlick, true) => pass::<Schlick, true>,
+        (FresnelModel::Off, false) => pass::<AtNormal, false>,
+        (FresnelModel::Off, true) => pass::<AtNormal, true>,
+    }
+}
+
+/// The last stretch where media absorb.
+pub fn finish(shading: &Shading, chunk: &mut Chunk, packet: usize, lanes: u8) {
+    let state = &mut chunk.states[packet];
+    let t = chunk.rays[packet].t_max + state.lead;
+    if let Some(left) = shading.absorbed(lanes, &state.stack, t) {
+        state.weight = state.weight.times(left);
+    }
+}
+
+fn pass<F: FresnelFormula, const ABSORBING: bool>(
+    shading: &mut Shading,
+    chunk: &mut Chunk,
+    hits: &[Hit8],
+    refs: &[HitRef],
+    surfaces: &[Surface8],
+) {
+    for (refs, surface) in refs.chunks(8).zip(surfaces) {
+        let t = F32x8::from_fn(|k| refs.get(k).map_or(0.0, |&r| hits[r as usize >> 3].t.lane(r as usize & 7)));
+        let mut weight = surface.weight;
+        if ABSORBING {
+            let lead = F32x8::from_fn(|k| {
+                refs.get(k).map_or(0.0, |&r| chunk.states[r as usize >> 3].lead.lane(r as usize & 7))
+            });
+            if let Some(left) = shading.absorbed(surface.active, &surface.stack, t + lead) {
+                weight = weight.times(left);
+            }
+        }
+        let mut beyond = surface.stack;
+        let passed = passed::<F>(shading, surface, &mut beyond);
+        weight = weight.times(passed);
+        let origin = surface.below();
+        let lead = surface.lead(surface.incident);
+        for (k, &r) in refs.iter().enumerate() {
+            let (packet, lane) = (r as usize >> 3, r as usize & 7);
+            let ray = &mut chunk.rays[packet];
+            let state = &mut chunk.states[packet];
+            let rest = ray.t_max.lane(lane) - t.lane(k) - lead.lane(k);
+            ray.origin.set_lane(lane, origin.lane(k));
+            ray.t_max.set_lane(lane, rest);
+            state.weight.set_lane(lane, weight.lane(k));
+            state.stack[lane] = beyond[k];
+            state.lead.set_lane(lane, lead.lane(k));
+            if weight.lane(k) == Rgb::ZERO {
+                ray.active &= !(1 << lane);
+            }
+        }
+    }
+}
+
+/// What each of eight transmissive surfaces lets through unbent, and the media behind it.
+#[inline(always)]
+fn passed<F: FresnelFormula>(shading: &mut Shading, surface: &Surface8, beyond: &mut [StackId; 8]) -> Rgb8 {
+    let mut boundaries = [Boundary::<f32>::new(1.0, 1.0); 8];
+    let mut tint = Vec3x8::splat(Rgb::ONE);
+    let mut fixed = Vec3x8::splat(Rgb::ZERO);
+    let (mut by_rule, mut thin) = (0_u8, 0_u8);
+    for k in 0..8 {
+        match *shading.interface(surface, k) {
+            Interface::Dielectric { medium, rule, tint: colour } => {
+                let crossing = shading.media.cross(surface.stack[k], medium, surface.front.lane(k));
+                beyond[k] = crossing.beyond;
+                shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
+                if crossing.real {
+                    boundaries[k] = crossing.thin_side;
+                    tint.set_lane(k, colour);
+                    if let FresnelRule::Fixed(share) = rule {
+                        by_rule |= 1 << k;
+                        fixed.set_lane(k, share);
+                    }
+                }
+            }
+            Interface::ThinDielectric { ior, rule, tint: colour } => {
+                boundaries[k] = Boundary::new(shading.media.ior(surface.stack[k]), f64::from(ior));
+                thin |= 1 << k;
+                tint.set_lane(k, colour);
+                if let FresnelRule::Fixed(share) = rule {
+                    by_rule |= 1 << k;
+                    fixed.set_lane(k, share);
+                }
+            }
+            Interface::Alpha { opacity } => tint.set_lane(k, Rgb::splat(1.0 - opacity)),
+            Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
+                tint.set_lane(k, Rgb::ZERO);
+            }
+        }
+    }
+    let boundary = gather_boundaries(|k| boundaries[k]);
+    let cos_i = -surface.incident.dot(surface.normal);
+    let at = boundary.cross(cos_i);
+    let face = F::dielectric(&boundary, &at);
+    let reflectance = Real::select(Mask8::from_bits(thin), thin_reflectance(face), face);
+    let reflected = Vec3x8::select(Mask8::from_bits(by_rule) & !at.total, fixed, Vec3x8::all(reflectance));
+    (Vec3x8::splat(Rgb::ONE) - reflected).times(tint)
+}
