@@ -18,6 +18,7 @@ mod medium;
 mod options;
 mod outcome;
 mod queue;
+pub mod record;
 pub mod reference;
 mod shading;
 mod shadow;

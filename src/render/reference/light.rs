@@ -69,17 +69,28 @@ fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
 /// The share of a light at the far end of `ray` that reaches its start, where the media are `stack`, and how often it
 /// left a medium it had never entered.
 pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) {
-    let blocking = match prepared.scene.settings.shadows {
-        ShadowRule::Opaque => GeometryMask::ALL,
-        ShadowRule::Straight => GeometryMask::OPAQUE,
-    };
-    if prepared.accel.occluded(&Ray64 { admits: blocking, t_max: end_of(ray), ..*ray }) {
+    if prepared.accel.occluded(&blocking(prepared, ray)) {
         return (DVec3::ZERO, 0);
     }
     match prepared.scene.settings.shadows {
         ShadowRule::Opaque => (DVec3::ONE, 0),
         ShadowRule::Straight => march(prepared, ray, stack),
     }
+}
+
+/// The nearest thing that blocks the light at the far end of `ray` all by itself, a place in the list of geometries.
+pub(super) fn blocker(prepared: &Prepared, ray: &Ray64) -> Option<u32> {
+    let hit = prepared.accel.closest(&blocking(prepared, ray));
+    hit.is_hit().then_some(hit.geometry)
+}
+
+/// A shadow ray that looks for what blocks it.
+fn blocking(prepared: &Prepared, ray: &Ray64) -> Ray64 {
+    let admits = match prepared.scene.settings.shadows {
+        ShadowRule::Opaque => GeometryMask::ALL,
+        ShadowRule::Straight => GeometryMask::OPAQUE,
+    };
+    Ray64 { admits, t_max: end_of(ray), ..*ray }
 }
 
 /// As far as surfaces are in a shadow ray's way.

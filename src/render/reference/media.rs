@@ -27,6 +27,11 @@ impl MediumStack {
         if medium == 0 { Self::default() } else { Self(vec![medium]) }
     }
 
+    /// The media, highest priority last.
+    pub fn media(&self) -> &[u32] {
+        &self.0
+    }
+
     /// The medium that fills the space around the ray.
     pub fn top(&self, scene: &Scene) -> u32 {
         self.0.last().copied().filter(|&m| priority(scene, m) >= priority(scene, 0)).unwrap_or(0)

@@ -20,6 +20,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::record::{Off, Recorder, Tree};
 use super::{Observer, Options, Outcome};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
@@ -89,11 +90,19 @@ impl<'a> Prepared<'a> {
     /// [`Prepared::radiance_along`] with all that is counted on the way.
     #[must_use]
     pub fn trace(&self, origin: DVec3, dir: DVec3) -> Tally {
-        Tracer::trace(self, origin, dir)
+        Tracer::trace(self, origin, dir, &mut Off)
+    }
+
+    /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
+    #[must_use]
+    pub fn recorded(&self, column: u32, row: u32) -> (Tally, Tree) {
+        let mut tree = Tree::default();
+        let tally = self.pixel(column, row, &mut tree);
+        (tally, tree)
     }
 
     /// The mean over a pixel's regular grid of samples.
-    fn pixel(&self, column: u32, row: u32) -> Tally {
+    fn pixel<L: Recorder>(&self, column: u32, row: u32, record: &mut L) -> Tally {
         let n = self.scene.settings.samples.max(1);
         let within = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
         let share = 1.0 / (f64::from(n) * f64::from(n));
@@ -101,7 +110,7 @@ impl<'a> Prepared<'a> {
         for j in 0..n {
             for i in 0..n {
                 let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
-                mean.merge(&self.trace(origin, dir), share);
+                mean.merge(&Tracer::trace(self, origin, dir, record), share);
             }
         }
         mean
@@ -162,7 +171,7 @@ fn row(prepared: &Prepared, width: u32, y: u32, observer: &Observer) -> Result<R
         if observer.stop.load(Relaxed) {
             return Err(Error::Interrupted);
         }
-        let pixel = prepared.pixel(x, y);
+        let pixel = prepared.pixel(x, y, &mut Off);
         row.radiance.push(pixel.radiance.as_vec3().to_array());
         row.truncated.push(pixel.truncated.as_vec3().to_array());
         row.counts.merge(&pixel, 0.0);

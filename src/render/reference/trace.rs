@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::light::{Arriving, let_through};
+use super::light::{Arriving, blocker, let_through};
 use super::media::{MediumStack, Meeting};
 use super::split::{of_metal, reflectance, share};
 use super::surface::Surface;
@@ -14,6 +14,7 @@ use crate::optics::{
     StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
 };
 use crate::render::RayKind;
+use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
 use crate::scene::{Highlight, HighlightModel, Interface, Material, MirrorSource};
 
 /// Surfaces that are "not there" in a row, at most.
@@ -31,6 +32,8 @@ pub(super) struct Pending {
     pub stack: MediumStack,
     /// Surfaces in a row that were not there.
     pub passed: u32,
+    /// Its place in the record, where one is kept.
+    pub node: Node,
 }
 
 /// A ray's arrival at a surface.
@@ -46,16 +49,17 @@ struct Arrival<'a> {
 
 /// Traces depth first: what a ray sends out waits on a list instead of on the call stack, which a scene's depth limit
 /// could exhaust.
-pub(super) struct Tracer<'a> {
+pub(super) struct Tracer<'a, 'r, L: Recorder> {
     prepared: &'a Prepared<'a>,
     tally: Tally,
     pending: Vec<Pending>,
+    record: &'r mut L,
 }
 
-impl<'a> Tracer<'a> {
+impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     /// All that comes of a camera ray.
-    pub fn trace(prepared: &'a Prepared<'a>, origin: DVec3, dir: DVec3) -> Tally {
-        let camera_ray = Pending {
+    pub fn trace(prepared: &'a Prepared<'a>, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
+        let mut camera_ray = Pending {
             origin,
             dir,
             weight: DVec3::ONE,
@@ -63,8 +67,10 @@ impl<'a> Tracer<'a> {
             kind: RayKind::Camera,
             stack: prepared.stack.clone(),
             passed: 0,
+            node: 0,
         };
-        let mut tracer = Self { prepared, tally: Tally::default(), pending: vec![camera_ray] };
+        camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
+        let mut tracer = Self { prepared, tally: Tally::default(), pending: vec![camera_ray], record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
@@ -78,11 +84,17 @@ impl<'a> Tracer<'a> {
         let hit = self.prepared.accel.closest(&line);
         let absorption = scene.media[ray.stack.top(scene) as usize].absorption.as_dvec3();
         ray.weight *= DVec3::from(transmittance(absorption.into(), hit.t));
+        self.note(ray.node, |event| {
+            (event.t, event.arrived) = (hit.t, ray.weight);
+            if ray.weight == DVec3::ZERO {
+                event.met = Met::Spent;
+            }
+        });
         if ray.weight == DVec3::ZERO {
             return;
         }
         if !hit.is_hit() {
-            self.tally.add(ray.weight * colour::of_environment(scene, ray.dir));
+            self.add(ray.node, Source::Environment, ray.weight * colour::of_environment(scene, ray.dir));
             return;
         }
         let surface = Surface::at(scene, &line, &hit);
@@ -92,26 +104,53 @@ impl<'a> Tracer<'a> {
             Interface::Dielectric { medium, .. } => Some(ray.stack.meet(scene, medium, front)),
             _ => None,
         };
+        let (object, primitive, point) = (hit.geometry, hit.primitive, surface.point);
         if let Some(Meeting::NotThere(beyond)) = meeting {
+            self.note(ray.node, |event| event.met = Met::Absent { object, primitive, point });
             self.pass(&ray, &surface, beyond);
             return;
         }
         let geometric = if front { surface.outward } else { -surface.outward };
         let shading = shading_normal(ray.dir, geometric, &surface);
         let cos_i = -ray.dir.dot(shading);
+        self.note(ray.node, |event| event.met = Met::Surface { object, primitive, point, front, cos_i });
         let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i };
         self.meet(&arrival, meeting);
     }
 
     /// Straight on through a surface that is not there.
     fn pass(&mut self, ray: &Pending, surface: &Surface, stack: MediumStack) {
+        let kind = RayKind::Transmitted;
         if ray.passed >= PASSED_AT_MOST {
             self.tally.truncated += ray.weight;
+            let cut = Cut { kind, weight: ray.weight, too_deep: false, too_light: false };
+            self.note(ray.node, |event| event.cut.push(cut));
             return;
         }
         let origin = surface.start(ray.dir);
-        let kind = RayKind::Transmitted;
-        self.pending.push(Pending { origin, stack, kind, passed: ray.passed + 1, ..ray.clone() });
+        self.queue(ray.node, Pending { origin, stack, kind, passed: ray.passed + 1, ..ray.clone() });
+    }
+
+    /// Has a ray wait that was sent where the ray of `parent` ended.
+    fn queue(&mut self, parent: Node, mut ray: Pending) {
+        ray.node = self.record.note(|tree| tree.sent(ray.event(Some(parent))));
+        self.pending.push(ray);
+    }
+
+    /// Writes down something about a ray.
+    fn note(&mut self, node: Node, what: impl FnOnce(&mut Event)) {
+        self.record.note(|tree| tree.at(node, what));
+    }
+
+    /// Adds to the pixel what a ray found.
+    fn add(&mut self, node: Node, source: Source, radiance: DVec3) {
+        self.tally.add(radiance);
+        self.note(node, |event| event.shares.push(Share::free(source, radiance)));
+    }
+
+    /// Writes down how a surface divides light.
+    fn split(&mut self, at: &Arrival, split: Split) {
+        self.note(at.ray.node, |event| event.split = Some(split));
     }
 
     /// The table of shares at the head of `scene/material.rs`.
@@ -121,14 +160,20 @@ impl<'a> Tracer<'a> {
         let one = DVec3::ONE;
         let here = || prepared.ior(at.ray.stack.top(scene));
         match at.material.interface {
-            Interface::Opaque => self.base(at, 1.0),
+            Interface::Opaque => {
+                self.split(at, Split::OPAQUE);
+                self.base(at, 1.0);
+            }
             Interface::Mirror { reflectance, source } => {
+                let reflected = reflectance.as_dvec3();
+                self.split(at, Split { reflected, absorbed: one - reflected, ..Split::OPAQUE });
                 self.base(at, 1.0);
                 match source {
                     MirrorSource::Traced => self.reflected(at, reflectance.as_dvec3()),
                     MirrorSource::Environment => {
                         let seen = colour::of_environment(scene, at.mirrored());
-                        self.tally.add(at.ray.weight * reflectance.as_dvec3() * seen);
+                        let sent = at.ray.weight * reflectance.as_dvec3() * seen;
+                        self.add(at.ray.node, Source::MirroredEnvironment, sent);
                     }
                 }
             }
@@ -136,7 +181,9 @@ impl<'a> Tracer<'a> {
                 self.base(at, 1.0);
                 // A metal's index counts relative to what the light comes through.
                 let (eta, k) = (eta.as_dvec3() / here(), k.as_dvec3() / here());
-                self.reflected(at, of_metal(prepared.fresnel, at.cos_i, eta, k));
+                let reflected = of_metal(prepared.fresnel, at.cos_i, eta, k);
+                self.split(at, Split { reflected, absorbed: one - reflected, ..Split::OPAQUE });
+                self.reflected(at, reflected);
             }
             Interface::Dielectric { rule, tint, .. } => {
                 self.base(at, 1.0);
@@ -145,20 +192,42 @@ impl<'a> Tracer<'a> {
                 let boundary = Boundary::new(prepared.ior(from), prepared.ior(to));
                 let crossing = boundary.cross(at.cos_i);
                 let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
+                let through = if crossing.total { DVec3::ZERO } else { one - r };
+                let tint = tint.as_dvec3();
+                let tint = tint.as_dvec3();
+                let transmitted = if crossing.total { DVec3::ZERO } else { (one - r) * tint };
+                let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
+                let bent = (!crossing.total && !total).then(|| match prepared.refraction {
+                    RefractionModel::Stable => crossing.cos_t,
+                    _ => -DVec3::from(direction).normalize().dot(at.shading),
+                });
+                self.split(
+                    at,
+                    Split {
+                        indices: Some((prepared.ior(from), prepared.ior(to))),
+                        cos_t: bent,
+                        total: crossing.total,
+                        reflected: r,
+                        transmitted,
+                        absorbed: if crossing.total { DVec3::ZERO } else { (one - r) * (one - tint) },
+                    },
+                );
                 self.reflected(at, r);
                 if !crossing.total {
-                    let share = (one - r) * tint.as_dvec3();
-                    let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
+                    let (kind, share) = (RayKind::Transmitted, (one - r) * tint);
                     // Light that is not bent at all goes on as it came.
                     if boundary.kc == 0.0 {
-                        self.send(at, RayKind::Transmitted, at.ray.dir, share, beyond);
+                        self.send(at, kind, at.ray.dir, share, beyond);
                     } else if total {
-                        self.tally.truncated += at.ray.weight * share;
+                        let weight = at.ray.weight * share;
+                        self.tally.truncated += weight;
+                        let cut = Cut { kind, weight, too_deep: false, too_light: false };
+                        self.note(at.ray.node, |event| event.cut.push(cut));
                     } else if at.surface.interpolated.is_some() {
                         let dir = below_surface(direction, at.geometric.into());
-                        self.send(at, RayKind::Transmitted, dir.into(), share, beyond);
+                        self.send(at, kind, dir.into(), share, beyond);
                     } else {
-                        self.send(at, RayKind::Transmitted, direction.into(), share, beyond);
+                        self.send(at, kind, direction.into(), share, beyond);
                     }
                 }
             }
@@ -168,16 +237,42 @@ impl<'a> Tracer<'a> {
                 let crossing = boundary.cross(at.cos_i);
                 let r = thin_reflectance(reflectance(prepared.fresnel, &boundary, &crossing));
                 let r = share(rule, crossing.total, r);
+                let tint = tint.as_dvec3();
+                self.split(
+                    at,
+                    Split {
+                        indices: Some((here(), f64::from(ior))),
+                        total: crossing.total,
+                        reflected: r,
+                        transmitted: (one - r) * tint,
+                        absorbed: (one - r) * (one - tint),
+                        ..Split::OPAQUE
+                    },
+                );
                 self.reflected(at, r);
-                self.straight(at, (one - r) * tint.as_dvec3());
+                self.straight(at, (one - r) * tint);
             }
             Interface::Coated { ior } => {
                 let boundary = Boundary::new(here(), f64::from(ior));
-                let r = reflectance(prepared.fresnel, &boundary, &boundary.cross(at.cos_i));
+                let crossing = boundary.cross(at.cos_i);
+                let r = reflectance(prepared.fresnel, &boundary, &crossing);
+                self.split(
+                    at,
+                    Split {
+                        indices: Some((here(), f64::from(ior))),
+                        total: crossing.total,
+                        reflected: DVec3::splat(r),
+                        absorbed: DVec3::splat(1.0 - r),
+                        ..Split::OPAQUE
+                    },
+                );
                 self.base(at, 1.0 - r);
                 self.reflected(at, DVec3::splat(r));
             }
             Interface::Alpha { opacity } => {
+                let (absorbed, transmitted) =
+                    (DVec3::splat(f64::from(opacity)), DVec3::splat(1.0 - f64::from(opacity)));
+                self.split(at, Split { transmitted, absorbed, ..Split::OPAQUE });
                 self.base(at, f64::from(opacity));
                 self.straight(at, DVec3::splat(1.0 - f64::from(opacity)));
             }
@@ -199,13 +294,17 @@ impl<'a> Tracer<'a> {
         if weight == DVec3::ZERO {
             return;
         }
-        if at.ray.depth >= settings.max_depth || weight.max_element() < f64::from(settings.cutoff) {
+        let too_deep = at.ray.depth >= settings.max_depth;
+        let too_light = weight.max_element() < f64::from(settings.cutoff);
+        if too_deep || too_light {
             self.tally.truncated += weight;
+            self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
             return;
         }
         let dir = dir.normalize();
         let origin = at.surface.start(dir);
-        self.pending.push(Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, stack, passed: 0 });
+        let ray = Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, stack, passed: 0, node: 0 };
+        self.queue(at.ray.node, ray);
     }
 
     /// What the surface sends by itself: emission, ambient, and each light it faces.
@@ -214,9 +313,12 @@ impl<'a> Tracer<'a> {
         let weight = at.ray.weight * share;
         let material = at.material;
         let ambient = material.ambient.as_dvec3() * scene.ambient.as_dvec3();
-        self.tally.add(weight * (material.emission.as_dvec3() + ambient));
+        let glow = weight * (material.emission.as_dvec3() + ambient);
+        if glow != DVec3::ZERO {
+            self.add(at.ray.node, Source::Glow, glow);
+        }
         let albedo = colour::on_surface(scene, &material.diffuse, at.surface.point, at.surface.uv);
-        for light in &scene.lights {
+        for (number, light) in scene.lights.iter().enumerate() {
             let arriving = Arriving::at(light, at.surface.point);
             let cos_theta = arriving.towards.dot(at.shading);
             if cos_theta <= 0.0 || arriving.towards.dot(at.geometric) <= 0.0 {
@@ -228,8 +330,22 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
-            self.tally.add(weight * sent * let_through);
+            let radiance = weight * sent * let_through;
+            self.tally.add(radiance);
+            self.lit(at, number, &arriving, weight * sent, radiance);
         }
+    }
+
+    /// Writes down what a light added, and what was in its way.
+    fn lit(&mut self, at: &Arrival, light: usize, arriving: &Arriving, unshadowed: DVec3, radiance: DVec3) {
+        let prepared = self.prepared;
+        self.note(at.ray.node, |event| {
+            let shadow =
+                Ray64 { t_max: arriving.distance, ..Ray64::new(at.surface.start(arriving.towards), arriving.towards) };
+            let dark = radiance == DVec3::ZERO;
+            let blocker = dark.then(|| blocker(prepared, &shadow)).flatten();
+            event.shares.push(Share { source: Source::Light(light as u32), unshadowed, radiance, blocker });
+        });
     }
 
     fn shadow(&mut self, at: &Arrival, arriving: &Arriving) -> DVec3 {
@@ -262,6 +378,14 @@ impl Prepared<'_> {
             RefractionModel::Oliveira => by(self.oliveira, boundary, at, crossing),
             RefractionModel::StraightThrough => by(StraightThrough, boundary, at, crossing),
         }
+    }
+}
+
+impl Pending {
+    /// What is written down of it as it is sent.
+    fn event(&self, parent: Option<Node>) -> Event {
+        let line = (self.origin, self.dir);
+        Event { media: self.stack.media().to_vec(), ..Event::sent(parent, self.kind, self.depth, line, self.weight) }
     }
 }
 
