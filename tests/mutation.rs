@@ -1,231 +1,155 @@
-//! Files with something broken in them, by the thousand and the same every time: no panic, one line for an error, and
-//! whatever is accepted is a sound scene.
+//! Files and command lines with something broken in them, by the thousand and the same every time: no panic, one line
+//! for an error, whatever is accepted is a sound scene, and none of it takes much memory or time.
+//!
+//! `VITRUM_FUZZ=1e7 cargo test --release --test mutation` runs ten million files (shared out among the kinds) and ten
+//! thousand command lines; `VITRUM_FUZZ_SEED` makes them others.
 
+#[path = "fuzz/command.rs"]
+mod command;
+#[path = "fuzz/entry.rs"]
+mod entry;
+#[path = "fuzz/mutate.rs"]
+mod mutate;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
-use vitrum::geometry::Shape;
-use vitrum::load::{self, Limits, LoadOptions};
-use vitrum::scene::{Colour, Environment, Interface, Scene};
+use command::Ending;
+use entry::Kind;
+use mutate::{Random, WORDS, mutated};
 
-/// Small numbers from one seed (Marsaglia 2003, xorshift64).
-struct Random(u64);
+/// The system's allocator, with the bytes that each thread holds.
+struct Counting;
 
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 16) as usize % n.max(1)
+thread_local! {
+    static HELD: Cell<isize> = const { Cell::new(0) };
+    static MOST: Cell<isize> = const { Cell::new(0) };
+}
+
+/// The largest single block that any thread asked for.
+static LARGEST: AtomicUsize = AtomicUsize::new(0);
+
+fn count(bytes: isize) {
+    HELD.set(HELD.get() + bytes);
+    MOST.set(MOST.get().max(HELD.get()));
+}
+
+// SAFETY: every call goes to the system's allocator as it came; counting touches no memory but two cells and a number.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        LARGEST.fetch_max(layout.size(), Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        LARGEST.fetch_max(layout.size(), Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        count(new_size as isize - layout.size() as isize);
+        LARGEST.fetch_max(new_size, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.realloc(block, layout, new_size) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        count(-(layout.size() as isize));
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(block, layout) }
     }
 }
 
-/// Words that parsers trip over.
-const WORDS: [&str; 30] = [
-    "nan",
-    "inf",
-    "-inf",
-    "1e999",
-    "-1",
-    "0",
-    "-0.0",
-    "1e-45",
-    "3.5e38",
-    "99999999999999999999",
-    "-9223372036854775808",
-    "4294967295",
-    "1//",
-    "/",
-    "1/2/3/4",
-    "\\",
-    "\r",
-    "\n",
-    "\u{feff}",
-    "é",
-    "\0",
-    "#",
-    "[",
-    "]]",
-    "{",
-    "=",
-    "'",
-    "\"\"\"",
-    "../../../etc/passwd",
-    "usemtl",
-];
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
-/// One change to a file: a flipped bit, a byte out or in, a word for another, two words swapped, a line twice.
-fn mutated(seed: &[u8], random: &mut Random) -> Vec<u8> {
-    let mut bytes = seed.to_vec();
-    for _ in 0..=random.below(3) {
-        let at = random.below(bytes.len());
-        match random.below(7) {
-            0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
-            1 if !bytes.is_empty() => drop(bytes.remove(at)),
-            2 => bytes.insert(at, random.below(256) as u8),
-            3 | 4 => {
-                let (start, end) = word_at(&bytes, at);
-                bytes.splice(start..end, WORDS[random.below(WORDS.len())].bytes());
-            }
-            5 => {
-                let (a, b) = (word_at(&bytes, at), word_at(&bytes, random.below(bytes.len())));
-                let (a, b) = if a.0 <= b.0 { (a, b) } else { (b, a) };
-                if a.1 <= b.0 {
-                    let (first, second) = (bytes[a.0..a.1].to_vec(), bytes[b.0..b.1].to_vec());
-                    bytes.splice(b.0..b.1, first);
-                    bytes.splice(a.0..a.1, second);
-                }
-            }
-            _ => {
-                let start = bytes[..at].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-                let end = bytes[at..].iter().position(|&b| b == b'\n').map_or(bytes.len(), |i| at + i + 1);
-                let line = bytes[start..end].to_vec();
-                let to = random.below(bytes.len());
-                bytes.splice(to..to, line);
-            }
-        }
-    }
-    bytes
+/// Bytes that one file of at most 64 KiB may make the loader hold, under the limits of `entry::load`.
+const MOST_HELD: isize = 64 << 20;
+
+/// What no file of at most 64 KiB may take, on any machine and in any build: something has no end.
+const ENDLESS: Duration = Duration::from_secs(60);
+
+/// How many files of a kind, of which a plain run has `plain`; `share` of the long run.
+fn executions(plain: usize, share: f64) -> usize {
+    let wanted = std::env::var("VITRUM_FUZZ").ok().map(|n| n.parse::<f64>().expect("VITRUM_FUZZ is a number"));
+    wanted.map_or(plain, |n| (n * share) as usize)
 }
 
-/// The word around a byte.
-fn word_at(bytes: &[u8], at: usize) -> (usize, usize) {
-    let breaks = |b: &u8| b.is_ascii_whitespace() || matches!(b, b'/' | b',' | b'=' | b'[' | b']');
-    let start = bytes[..at].iter().rposition(breaks).map_or(0, |i| i + 1);
-    let end = bytes[at..].iter().position(breaks).map_or(bytes.len(), |i| at + i);
-    (start, end)
+fn random() -> Random {
+    let seed = std::env::var("VITRUM_FUZZ_SEED").ok().map(|n| n.parse().expect("VITRUM_FUZZ_SEED is a number"));
+    Random::new(seed.unwrap_or(1))
 }
 
-fn options() -> LoadOptions {
-    let limits = Limits {
-        file_bytes: 1 << 20,
-        triangles: 20_000,
-        texture_bytes: 1 << 20,
-        film_pixels: 1 << 20,
-        ..Limits::default()
-    };
-    LoadOptions { limits, ..LoadOptions::default() }
-}
-
-/// Runs `load` on the seed cut off at every byte and on `count` mutants of it, written over `target`.
-fn attack(target: &Path, count: usize, mut load: impl FnMut() -> vitrum::Result<Option<Scene>>) {
-    let seed = fs::read(target).unwrap();
-    let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ seed.len() as u64);
-    let mut accepted = 0;
-    let step = seed.len().div_ceil(4000).max(1);
-    let cuts = (0..=seed.len()).step_by(step).map(|n| seed[..n].to_vec()).collect::<Vec<_>>();
-    let mutants = (0..count).map(|_| mutated(&seed, &mut random));
-    for bytes in cuts.into_iter().chain(mutants) {
-        // Some file systems wait for the disk when a file is cut short and written anew; not so for a new one.
-        fs::remove_file(target).unwrap();
-        fs::write(target, &bytes).unwrap();
-        let shown = || String::from_utf8_lossy(&bytes).into_owned();
-        match catch_unwind(AssertUnwindSafe(&mut load)) {
-            Err(_) => panic!("it panicked on {}", shown()),
-            Ok(Err(error)) => {
-                let text = error.to_string();
-                assert!(!text.contains('\n') && text.len() < 1000, "{text}\nof {}", shown());
-                assert!(matches!(error.exit_code(), 2..=4), "{text}");
-            }
-            Ok(Ok(scene)) => {
-                accepted += 1;
-                if let Some(scene) = scene {
-                    check(&scene, &shown);
-                }
-            }
+/// Loads the seeds cut off at every byte, and `count` mutants of them.
+fn attack(kind: Kind, seeds: &[Vec<u8>], count: usize) {
+    let mut random = random();
+    let (mut accepted, mut held, mut slowest) = (0_usize, 0, Duration::ZERO);
+    // The first call makes the folder, which is no part of any file's memory.
+    entry::load(kind, &seeds[0]);
+    let cuts = seeds.iter().flat_map(|seed| {
+        let step = seed.len().div_ceil(2000).max(1);
+        (0..=seed.len()).step_by(step).map(|n| seed[..n].to_vec())
+    });
+    let mutants = (0..count).map(|_| {
+        let (seed, donor) = (random.below(seeds.len()), random.below(seeds.len()));
+        mutated(&seeds[seed], &seeds[donor], &mut random)
+    });
+    let mut tried = 0_usize;
+    for bytes in cuts.chain(mutants) {
+        tried += 1;
+        let before = HELD.get();
+        MOST.set(before);
+        let start = Instant::now();
+        let loaded = catch_unwind(AssertUnwindSafe(|| entry::load(kind, &bytes)));
+        let (took, most) = (start.elapsed(), MOST.get() - before);
+        if loaded.is_err() || took > ENDLESS || most > MOST_HELD {
+            let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("found-{kind:?}"));
+            fs::write(&kept, &bytes).unwrap();
+            panic!("{}: took {took:?}, held {most} bytes, or see above; it reads\n{}", kept.display(), shown(&bytes));
         }
+        accepted += usize::from(loaded.unwrap());
+        held = held.max(most);
+        slowest = slowest.max(took);
     }
-    // A harness whose every input is refused at the door tests nothing.
-    assert!(accepted > 20, "only {accepted} of {count} were accepted");
-}
-
-/// What every loaded scene keeps.
-fn check(scene: &Scene, shown: &dyn Fn() -> String) {
-    assert_eq!(scene.objects.len(), scene.geometry.len());
-    for (object, geometry) in scene.objects.iter().zip(&scene.geometry) {
-        assert!((object.material as usize) < scene.materials.len());
-        match &geometry.shape {
-            Shape::Mesh(mesh) => {
-                let count = mesh.triangles.len();
-                assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()), "{}", shown());
-                assert!(
-                    mesh.normal_indices.iter().flatten().all(|&i| (i as usize) < mesh.normals.len()),
-                    "{}",
-                    shown()
-                );
-                assert!(mesh.uv_indices.iter().flatten().all(|&i| (i as usize) < mesh.uvs.len()), "{}", shown());
-                assert!(mesh.normal_indices.is_empty() || mesh.normal_indices.len() == count, "{}", shown());
-                assert!(mesh.uv_indices.is_empty() || mesh.uv_indices.len() == count, "{}", shown());
-                let lines = object.origin.triangle_lines.len();
-                assert!(lines == 0 || lines == count, "{}", shown());
-                assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-3), "{}", shown());
-            }
-            Shape::Sphere(sphere) => assert!(sphere.centre.is_finite() && sphere.radius > 0.0, "{}", shown()),
-            Shape::Plane(plane) => assert!((plane.normal.length() - 1.0).abs() < 1e-3, "{}", shown()),
-        }
-    }
-    for material in &scene.materials {
-        if let Colour::Image { texture, .. } = material.diffuse {
-            assert!((texture as usize) < scene.textures.len());
-        }
-        if let Interface::Dielectric { medium, .. } = material.interface {
-            assert!((medium as usize) < scene.media.len());
-        }
-    }
-    assert!(scene.media.iter().all(|m| (1e-3..=1e3).contains(&m.ior) && m.absorption.is_finite()), "{}", shown());
-    if let Environment::LatLong { texture, .. } = scene.environment {
-        assert!((texture as usize) < scene.textures.len());
-    }
-    assert!(
-        scene.textures.iter().all(|t| t.pixels.len() == (t.width * t.height) as usize && t.width > 0 && t.height > 0)
+    println!(
+        "{kind:?}: {tried} files, {accepted} accepted; at most {held} bytes held, slowest {slowest:?}; largest block of any \
+         thread {}",
+        LARGEST.load(Ordering::Relaxed)
     );
-    let camera = &scene.camera;
-    let view = (camera.target - camera.eye).as_dvec3();
-    assert!(view.is_finite() && view.cross(camera.up.as_dvec3()).length() > 0.0, "{}", shown());
+    // A harness whose every input is refused at the door tests nothing.
+    assert!(accepted * 200 > tried, "only {accepted} of {tried} were accepted");
 }
 
-/// A folder with the project's small test files in it.
-fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for file in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")).unwrap() {
-        let path = file.unwrap().path();
-        if path.is_file() {
-            fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
-        }
-    }
-    folder
+fn shown(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(&bytes[..bytes.len().min(4000)]).into_owned()
 }
 
-fn scene(path: PathBuf) -> impl FnMut() -> vitrum::Result<Option<Scene>> {
-    move || load::scene(&path, &options()).map(|l| Some(l.scene))
-}
-
-fn picture(path: PathBuf) -> impl FnMut() -> vitrum::Result<Option<Scene>> {
-    move || {
-        let texture = load::picture(&path, &options())?;
-        Ok(Some(Scene { textures: vec![texture], ..Scene::default() }))
-    }
+fn seeds(kind: Kind) -> Vec<Vec<u8>> {
+    entry::seeds(kind).into_values().collect()
 }
 
 #[test]
 fn broken_scene_files_are_survived() {
-    let folder = folder();
-    let path = folder.path().join("sampler.toml");
-    attack(&path, 3000, scene(path.clone()));
+    attack(Kind::Scene, &seeds(Kind::Scene), executions(3000, 0.1));
 }
 
 #[test]
 fn broken_models_are_survived() {
-    let folder = folder();
-    let path = folder.path().join("house.obj");
-    attack(&path, 6000, scene(path.clone()));
+    attack(Kind::Model, &seeds(Kind::Model), executions(6000, 0.3));
 }
 
 #[test]
 fn broken_materials_are_survived() {
-    let folder = folder();
-    attack(&folder.path().join("house.mtl"), 6000, scene(folder.path().join("house.obj")));
+    attack(Kind::Material, &seeds(Kind::Material), executions(6000, 0.3));
 }
 
 #[test]
@@ -241,7 +165,129 @@ fn broken_pictures_are_survived() {
     let mut pfm = b"PF\n3 2\n-1.0\n".to_vec();
     pfm.extend((0..18).flat_map(|i| (i as f32).to_le_bytes()));
     fs::write(at("a.pfm"), pfm).unwrap();
-    for (name, count) in [("a.png", 2000), ("a.jpg", 2000), ("a.hdr", 2000), ("a.exr", 2000), ("a.pfm", 2000)] {
-        attack(&at(name), count, picture(at(name)));
+    let files = ["a.png", "a.jpg", "a.hdr", "a.exr", "a.pfm"].map(|name| fs::read(at(name)).unwrap());
+    for file in &files {
+        attack(Kind::Picture, std::slice::from_ref(file), executions(2000, 0.3 / 5.0));
     }
+}
+
+/// Command lines that work, to begin with.
+const LINES: [&str; 16] = [
+    "render sampler.toml",
+    "render sampler.toml -o a.png --bits 16 --width 8 --height 8 --threads 1",
+    "render house.obj -o a.exr --width 16 --height 9 --samples 2 --depth 3 --cutoff 0.5",
+    "render sampler.toml -o a.pfm --exposure -2 --fresnel schlick --shadows opaque --tile 8",
+    "render sampler.toml --backend reference --width 4 --height 4 --samples 1 -q",
+    "render house.obj --json --quiet --output a.hdr",
+    "render house.obj --fresnel off --shadows straight -o /dev/null",
+    "compare checks.pfm checks.pfm",
+    "compare checks.pfm checks.pfm --tolerance 0.1 --allow-share 0.5 --json",
+    "compare checks.pfm checks.pfm --diff d.png --diff-scale 2 --linear",
+    "parity sampler.toml --rays 10 --width 4 --height 4 --threads 1",
+    "verify house.obj --group leaks --threads 1 --json",
+    "bench house.obj --threads 1 --rounds 1 --builds 1 --size 8 --rays primary --one-in 4",
+    "doctor --json",
+    "--help",
+    "--version",
+];
+
+/// Options that a render takes, each with values that are fine and values at or beyond its ends. Sizes are small or
+/// absurd: what lies between would only take long.
+const OPTIONS: [(&str, &[&str]); 17] = [
+    ("--width", &["1", "5", "16", "65536", "65537", "0", "1e3"]),
+    ("--height", &["1", "3", "16", "0", "-1", "4294967297"]),
+    ("--samples", &["1", "2", "0", "1025", "nan"]),
+    ("--depth", &["0", "1", "8", "4096", "4097", "-1"]),
+    ("--cutoff", &["0", "1", "0.01", "1e-45", "nan", "2"]),
+    ("--exposure", &["0", "-64", "64", "3.5", "inf", "65"]),
+    ("--bits", &["8", "16", "12"]),
+    ("--fresnel", &["exact", "schlick", "off", "none"]),
+    ("--shadows", &["opaque", "straight", "soft"]),
+    ("--backend", &["native", "reference", "embree-slow"]),
+    ("--threads", &["1", "2", "1024", "1025", "0"]),
+    ("--tile", &["1", "7", "1024", "0"]),
+    (
+        "-o",
+        &["a.png", "b.exr", "c.pfm", "d.hdr", "/dev/null", "/dev/full", "missing/a.png", "a.gif", "sampler.toml", "."],
+    ),
+    ("--strict", &[]),
+    ("--json", &[]),
+    ("-q", &[]),
+    ("--help", &[]),
+];
+
+/// A render with any options.
+fn made_up_line(random: &mut Random) -> Vec<String> {
+    let scene = *random.one_of(&["sampler.toml", "house.obj", "house.mtl", "missing.toml"]);
+    let mut line = vec![String::from("render"), scene.to_owned()];
+    let mut options: Vec<usize> = (0..OPTIONS.len() - 1).collect();
+    for _ in 0..random.below(6) {
+        let (name, values) = OPTIONS[options.swap_remove(random.below(options.len()))];
+        line.push(name.to_owned());
+        if !values.is_empty() {
+            // The fine ones come first, and more often.
+            let at = random.below(values.len()).min(random.below(values.len()));
+            line.push(values[at].to_owned());
+        }
+    }
+    line
+}
+
+/// A few words out, in, twice, swapped, or broken.
+fn break_line(line: &mut Vec<String>, random: &mut Random) {
+    for _ in 0..=random.below(2) {
+        let at = random.below(line.len());
+        match random.below(7) {
+            0 if line.len() > 1 => drop(line.remove(at)),
+            1 => line.insert(at, line[random.below(line.len())].clone()),
+            2 => {
+                let other = random.below(line.len());
+                line.swap(at, other);
+            }
+            3 => (*random.one_of(&WORDS)).clone_into(&mut line[at]),
+            4 => {
+                let (name, values) = *random.one_of(&OPTIONS);
+                line.push(name.to_owned());
+                line.extend(values.first().map(|v| (*v).to_owned()));
+            }
+            5 => {
+                let bytes = mutated(line[at].as_bytes(), b"--", random);
+                line[at] = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).into_owned();
+            }
+            _ => {
+                let donor: Vec<&str> = random.one_of(&LINES).split(' ').collect();
+                let from = random.below(donor.len());
+                line.splice(at..at, donor[from..].iter().take(2).map(|&w| w.to_owned()));
+            }
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn broken_command_lines_are_survived() {
+    let program: PathBuf = assert_cmd::cargo::cargo_bin("vitrum");
+    let count = executions(80, 1e-3);
+    let mut random = random();
+    let mut ended = [0_usize; 6];
+    for line in LINES {
+        let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        assert_eq!(command::run(&program, &words, 60), Ending::Code(0), "{line}");
+    }
+    for _ in 0..count {
+        let mut line = if random.below(2) == 0 {
+            made_up_line(&mut random)
+        } else {
+            random.one_of(&LINES).split(' ').map(str::to_owned).collect()
+        };
+        if random.below(4) != 0 {
+            break_line(&mut line, &mut random);
+        }
+        match command::run(&program, &line, 5) {
+            Ending::Code(code) => ended[code as usize] += 1,
+            Ending::CutOff => ended[5] += 1,
+        }
+    }
+    println!("command lines: {count}; with exit code 0, 1, 2, 3, 4, and cut off: {ended:?}");
+    assert!(ended[0] * 20 > count && ended[5] * 10 < count, "{ended:?}");
 }

@@ -49,7 +49,7 @@ pub fn main() -> ExitCode {
         Ok(Verdict::Done) => ExitCode::SUCCESS,
         Ok(Verdict::Negative) => ExitCode::from(1),
         Err(e) => {
-            output::log(&format!("error: {e}"));
+            output::log(&format!("error: {}", output::one_line(&e.to_string())));
             ExitCode::from(e.exit_code())
         }
     }

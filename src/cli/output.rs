@@ -9,6 +9,12 @@ pub(super) fn log(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
+/// A message with its control characters written out, since names of files may hold line ends.
+pub(super) fn one_line(message: &str) -> String {
+    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    message.chars().map(shown).collect()
+}
+
 /// Text on standard output.
 ///
 /// # Errors
