@@ -41,6 +41,7 @@ pub mod optics;
 pub mod render;
 pub mod scene;
 pub mod simd;
+pub mod study;
 pub mod trial;
 
 pub use error::{Error, Result};

@@ -15,7 +15,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("load", &["scene", "geometry", "image", "optics", "math"]),
     ("render", &["scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("trial", &["render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("cli", &["trial", "load", "render", "accel", "image", "scene", "optics", "simd"]),
+    ("study", &["trial", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("cli", &["study", "trial", "load", "render", "accel", "image", "scene", "optics", "simd"]),
 ];
 
 fn rust_files(dir: &Path, out: &mut Vec<PathBuf>) {

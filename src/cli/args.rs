@@ -1,11 +1,16 @@
 //! What may be typed, and the help for it. Values are checked one by one here, against each other in [`super::options`].
 
+mod formulas;
+mod price;
+
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::simd::level;
+pub(super) use formulas::{FormulasArgs, KindArg};
+pub(super) use price::PriceArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
 
@@ -33,6 +38,7 @@ pub(super) enum Command {
     Parity(ParityArgs),
     Verify(VerifyArgs),
     Bench(BenchArgs),
+    Price(PriceArgs),
     Doctor(DoctorArgs),
 }
 

@@ -5,6 +5,7 @@ mod backend;
 mod bench;
 mod compare;
 mod doctor;
+mod formulas;
 mod interrupt;
 mod metadata;
 mod options;
@@ -62,6 +63,7 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Parity(args) => parity::run(&options::Parity::from(args)),
         Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
+        Command::Price(args) => formulas::run(&options::Formulas::new(&args.formulas, args.json)),
         Command::Doctor(args) => doctor::run(args.json),
     }
 }

@@ -1,5 +1,7 @@
 //! The command line as types, checked as a whole: past this point there are no flags.
 
+mod formulas;
+
 use std::path::{Path, PathBuf};
 
 use super::args::{
@@ -13,6 +15,7 @@ use crate::scene::{Settings, ShadowRule};
 use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
+pub(super) use formulas::Formulas;
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
 const MOST_PIXELS: u64 = 1 << 27;

@@ -9,6 +9,7 @@ pub(crate) mod slab;
 mod spawn;
 pub(crate) mod sphere;
 pub(crate) mod triangle;
+pub mod triangle_test;
 
 pub use aabb::Aabb;
 pub use hit::{Hit, Hit8, NO_GEOMETRY};

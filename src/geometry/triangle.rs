@@ -52,7 +52,7 @@ pub(crate) struct ShearedRay<R> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edges<R> {
     /// Corners, relative to the ray's start; x and y sheared, z not.
-    corners: [Vector3<R>; 3],
+    pub corners: [Vector3<R>; 3],
     /// Edge function opposite to each corner.
     value: [R; 3],
 }

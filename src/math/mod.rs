@@ -1,6 +1,7 @@
 //! Scalar helpers that every other room may use: the number trait, vectors over it, and the few elementary
 //! functions whose bits must agree between one lane and eight.
 
+pub mod double;
 mod elementary;
 mod real;
 mod trigonometry;

@@ -10,6 +10,7 @@ mod boundary;
 mod conductor;
 mod fresnel;
 mod normal;
+pub mod oracle;
 mod planar;
 mod polarised;
 mod reflect;

@@ -4,9 +4,11 @@
 mod f32x8;
 pub mod level;
 mod mask8;
+mod reciprocal;
 
 pub use f32x8::F32x8;
 pub use mask8::Mask8;
+pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal};
 
 /// Eight three-vectors in structure-of-arrays.
 pub type Vec3x8 = crate::math::Vector3<F32x8>;

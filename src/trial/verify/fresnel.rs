@@ -1,9 +1,9 @@
 //! Unpolarised reflectance, eight cosines at a time as the renderer asks for it, against the oracle.
 
 use super::sample::Rng;
-use super::{Plan, Tally, oracle};
+use super::{Plan, Tally};
 use crate::math::FUSED;
-use crate::optics::{Boundary, Exact, FresnelFormula};
+use crate::optics::{Boundary, Exact, FresnelFormula, oracle};
 use crate::simd::F32x8;
 
 const ULP: f64 = f32::EPSILON as f64;

@@ -7,17 +7,15 @@
 mod builds;
 mod candidate;
 mod chains;
-mod double;
 mod fresnel;
 mod group;
 mod lanes;
 mod leaks;
 mod matched;
 mod meshes;
-mod oracle;
 mod reflection;
 mod refraction;
-mod sample;
+pub(crate) mod sample;
 mod scene;
 mod self_hits;
 mod tally;

@@ -3,8 +3,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::sample::Rng;
-use super::{Plan, Tally, oracle};
-use crate::optics::reflect;
+use super::{Plan, Tally};
+use crate::optics::{oracle, reflect};
 
 /// Radians.
 const BOUND: f64 = 3e-7;

@@ -4,8 +4,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::sample::Rng;
-use super::{Plan, Tally, oracle};
-use crate::optics::Boundary;
+use super::{Plan, Tally};
+use crate::optics::{Boundary, oracle};
 
 const ULP: f64 = f32::EPSILON as f64;
 

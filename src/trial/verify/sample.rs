@@ -6,7 +6,7 @@ use crate::math::Vector3;
 
 /// `SplitMix64` (Steele, Lea & Flood 2014).
 #[derive(Clone, Debug)]
-pub(super) struct Rng(u64);
+pub(crate) struct Rng(u64);
 
 impl Rng {
     /// The stream of a batch of a group.
@@ -58,6 +58,12 @@ impl Rng {
 
     /// A direction of travel and a normal that it meets at `angle`, as `f32` has them.
     pub fn meeting_at(&mut self, angle: f64) -> (Vector3<f32>, Vector3<f32>) {
+        let (incident, normal) = self.unit_meeting_at(angle);
+        (incident.as_vec3().into(), normal.as_vec3().into())
+    }
+
+    /// A direction of travel and a normal that it meets at `angle`.
+    pub fn unit_meeting_at(&mut self, angle: f64) -> (DVec3, DVec3) {
         let normal = self.direction();
         let across = loop {
             let v = normal.cross(self.direction());
@@ -65,8 +71,7 @@ impl Rng {
                 break v.normalize();
             }
         };
-        let incident = across * angle.sin() - normal * angle.cos();
-        (incident.as_vec3().into(), normal.as_vec3().into())
+        (across * angle.sin() - normal * angle.cos(), normal)
     }
 
     /// Any bits at all, or one of the numbers that are most often wrong.

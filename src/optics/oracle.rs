@@ -1,15 +1,17 @@
 //! The textbook's formulas with twice the digits of `f64`, as they stand there: their cancellation leaves 50 bits and
 //! more.
 
-use super::double::{Double, d};
 use crate::math::Vector3;
+use crate::math::double::{Double, d};
 
 /// Three components.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Direction([Double; 3]);
+pub struct Direction([Double; 3]);
 
 impl Direction {
-    fn of(v: Vector3<f32>) -> Self {
+    /// A vector, as it is.
+    #[must_use]
+    pub fn of(v: Vector3<impl Into<f64>>) -> Self {
         Self([d(v.x), d(v.y), d(v.z)])
     }
 
@@ -28,7 +30,8 @@ impl Direction {
     }
 
     /// The angle to another vector, in radians, from their difference, so that small angles keep their digits.
-    pub fn angle_to(self, o: Vector3<f32>) -> f64 {
+    #[must_use]
+    pub fn angle_to(self, o: Vector3<impl Into<f64>>) -> f64 {
         let me = self.unit();
         let them = Self::of(o).unit();
         let apart: [f64; 3] = std::array::from_fn(|k| (them.0[k] - me.0[k]).narrow());
@@ -36,16 +39,25 @@ impl Direction {
         let chord = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
         2.0 * (chord * 0.5).min(1.0).asin()
     }
+
+    /// The largest difference between a component of this vector and of another.
+    #[must_use]
+    pub fn furthest_component(self, o: Vector3<impl Into<f64>>) -> f64 {
+        let o = Self::of(o);
+        (0..3).map(|k| (o.0[k] - self.0[k]).narrow().abs()).fold(0.0, f64::max)
+    }
 }
 
 /// `i - 2 (i . n) n` of the very vectors given.
-pub(super) fn mirror(i: Vector3<f32>, n: Vector3<f32>) -> Direction {
+#[must_use]
+pub fn mirror<T: Into<f64>>(i: Vector3<T>, n: Vector3<T>) -> Direction {
     let (i, n) = (Direction::of(i), Direction::of(n));
     i.sum(d(1.0), n, i.dot(n) * d(-2.0))
 }
 
 /// Snell's law for the directions that `i` and `n` stand for; none under total reflection.
-pub(super) fn refract(i: Vector3<f32>, n: Vector3<f32>, n1: f64, n2: f64) -> Option<Direction> {
+#[must_use]
+pub fn refract<T: Into<f64>>(i: Vector3<T>, n: Vector3<T>, n1: f64, n2: f64) -> Option<Direction> {
     let (i, n) = (Direction::of(i).unit(), Direction::of(n).unit());
     let eta = d(n1).over(d(n2));
     let c = -i.dot(n);
@@ -53,18 +65,26 @@ pub(super) fn refract(i: Vector3<f32>, n: Vector3<f32>, n1: f64, n2: f64) -> Opt
     (!cos2_t.is_negative()).then(|| i.sum(eta, n, eta * c - cos2_t.sqrt()))
 }
 
-/// Reflectance of unpolarised light at the cosine `c`.
-pub(super) fn reflectance(c: f32, n1: f64, n2: f64) -> f64 {
+/// Reflectances for light polarised across and in the plane of incidence, at the cosine `c`.
+#[must_use]
+pub fn reflectances(c: impl Into<f64>, n1: f64, n2: f64) -> (f64, f64) {
     let (c, n1, n2) = (d(c), d(n1), d(n2));
     let eta = n1.over(n2);
     let cos2_t = d(1.0) - eta * eta * (d(1.0) - c * c);
     if cos2_t.is_negative() {
-        return 1.0;
+        return (1.0, 1.0);
     }
     let cos_t = cos2_t.sqrt();
     let s = (n1 * c - n2 * cos_t).over(n1 * c + n2 * cos_t);
     let p = (n2 * c - n1 * cos_t).over(n2 * c + n1 * cos_t);
-    ((s * s + p * p) * d(0.5)).narrow()
+    ((s * s).narrow(), (p * p).narrow())
+}
+
+/// Reflectance of unpolarised light at the cosine `c`.
+#[must_use]
+pub fn reflectance(c: impl Into<f64>, n1: f64, n2: f64) -> f64 {
+    let (s, p) = reflectances(c, n1, n2);
+    0.5 * (s + p)
 }
 
 #[cfg(test)]
@@ -82,7 +102,7 @@ mod tests {
     #[test]
     fn right_angles_are_mirrored_and_bent_as_by_hand() {
         let half = 0.5_f32.sqrt();
-        let (i, n) = (Vector3::new(half, -half, 0.0), Vector3::new(0.0, 1.0, 0.0));
+        let (i, n) = (Vector3::new(half, -half, 0.0), Vector3::new(0.0_f32, 1.0, 0.0));
         assert!(mirror(i, n).angle_to(Vector3::new(half, half, 0.0)) < 1e-15);
         // sin(th2) = sin(45) / sqrt(2) = 1/2.
         let bent = refract(i, n, 1.0, std::f64::consts::SQRT_2).expect("no total reflection");

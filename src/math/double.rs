@@ -7,13 +7,14 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// The sum of two `f64`, the second below half a unit of the first.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Double {
+pub struct Double {
     high: f64,
     low: f64,
 }
 
 /// A number of twice the digits.
-pub(super) fn d(x: impl Into<f64>) -> Double {
+#[must_use]
+pub fn d(x: impl Into<f64>) -> Double {
     Double { high: x.into(), low: 0.0 }
 }
 
@@ -35,16 +36,19 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 
 impl Double {
     /// The nearest `f64`.
+    #[must_use]
     pub fn narrow(self) -> f64 {
         self.high + self.low
     }
 
     /// Whether it is below zero.
+    #[must_use]
     pub fn is_negative(self) -> bool {
         self.high < 0.0
     }
 
     /// `self / o`, for `o` not zero.
+    #[must_use]
     pub fn over(self, o: Self) -> Self {
         let first = self.high / o.high;
         let rest = self - o * d(first);
@@ -55,6 +59,7 @@ impl Double {
     }
 
     /// Square root; zero for what is not above zero.
+    #[must_use]
     pub fn sqrt(self) -> Self {
         if self.high <= 0.0 {
             return d(0.0);

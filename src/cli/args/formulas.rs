@@ -1,0 +1,43 @@
+//! `vitrum price --formulas`, as typed.
+
+use clap::{Args, ValueEnum, value_parser};
+
+/// The options of `price --formulas`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Formulas")]
+pub(in crate::cli) struct FormulasArgs {
+    /// Time and judge single formulas instead of pictures
+    #[arg(long, required = true)]
+    pub formulas: bool,
+
+    /// Which formulas [default: all]
+    #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',', requires = "formulas")]
+    pub of: Vec<KindArg>,
+
+    /// Rays drawn of each range
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(8..=10_000_000), default_value_t = 20_000,
+        requires = "formulas")]
+    pub count: u32,
+
+    /// Judge only: the same figures on every machine of this kind
+    #[arg(long, requires = "formulas")]
+    pub untimed: bool,
+
+    /// Print comma-separated values
+    #[arg(long, requires = "formulas", conflicts_with = "json")]
+    pub csv: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(in crate::cli) enum KindArg {
+    /// Refracted directions
+    Refraction,
+    /// Reflectances
+    Fresnel,
+    /// Mirrored directions
+    Reflection,
+    /// One over a number
+    Reciprocal,
+    /// Ray/triangle tests
+    Triangle,
+}

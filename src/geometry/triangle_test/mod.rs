@@ -1,0 +1,198 @@
+//! Ray/triangle tests side by side, each a type, so that what is timed or judged is the test and no branch.
+//!
+//! The renderer's own is [`Watertight`]. The others are here to be measured against it, by speed (`cargo bench --bench
+//! triangle`) and by what they lose. Rays out of a closed mesh aimed at random, at its corners and at its edges, rays
+//! that met nothing in 100 000 (`tests/triangle_tests.rs` prints the same for fewer):
+//!
+//! | test | random | corners | edges |
+//! |---|---|---|---|
+//! LEAKS
+//!
+//! Random rays tell none of them from a tight one: a test that is to find leaks has to aim.
+
+mod certified;
+mod moller_trumbore;
+mod plane_area;
+mod pluecker;
+mod watertight;
+
+pub use certified::Certified;
+pub use moller_trumbore::MollerTrumbore;
+pub use plane_area::PlaneArea;
+pub use pluecker::Pluecker;
+pub use watertight::Watertight;
+
+use crate::math::{Real, Vector3};
+use crate::simd::{F32x8, Mask8};
+
+/// Where the line of a ray meets a triangle. What is not `hit` holds nothing to rely on.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting<R: Real> {
+    /// Whether it does, on either face. The caller looks at the ray's interval.
+    pub hit: R::Mask,
+    /// Ray parameter.
+    pub t: R,
+    /// Weight of the second corner.
+    pub u: R,
+    /// Weight of the third corner.
+    pub v: R,
+    /// Where the number type itself could not tell, and `f64` was asked.
+    pub settled: R::Mask,
+}
+
+/// A ray/triangle test.
+pub trait TriangleTest: Copy + Send + Sync + 'static {
+    /// The name in tables and on the command line.
+    const NAME: &'static str;
+
+    /// A ray made ready for it.
+    type Ray<R: Lanes>: Copy;
+
+    /// Makes a ray of any finite direction but zero ready.
+    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R>;
+
+    /// Where the line of the ray meets the triangle; lane by lane in eight lanes.
+    fn meet<R: Lanes>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R>;
+}
+
+/// Numbers whose lanes can be taken out one by one, for the few that need more care than the rest.
+pub trait Lanes: Real {
+    /// How many there are.
+    const COUNT: usize;
+    /// Half the distance from 1 to the next larger number.
+    const ROUNDOFF: f64;
+    /// The smallest normal number.
+    const TINY: f64;
+
+    /// The number in lane `i`, widened.
+    fn lane(self, i: usize) -> f64;
+    /// Puts the nearest number to `x` into lane `i`.
+    fn set_lane(&mut self, i: usize, x: f64);
+    /// One bit a lane, lane 0 lowest.
+    fn bits(mask: Self::Mask) -> u8;
+    /// Lanes whose bit is set.
+    fn mask(bits: u8) -> Self::Mask;
+}
+
+impl Lanes for f32 {
+    const COUNT: usize = 1;
+    const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
+    const TINY: f64 = f32::MIN_POSITIVE as f64;
+
+    #[inline(always)]
+    fn lane(self, _i: usize) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _i: usize, x: f64) {
+        *self = x as f32;
+    }
+    #[inline(always)]
+    fn bits(mask: bool) -> u8 {
+        u8::from(mask)
+    }
+    #[inline(always)]
+    fn mask(bits: u8) -> bool {
+        bits & 1 != 0
+    }
+}
+
+impl Lanes for f64 {
+    const COUNT: usize = 1;
+    const ROUNDOFF: f64 = f64::EPSILON / 2.0;
+    const TINY: f64 = f64::MIN_POSITIVE;
+
+    #[inline(always)]
+    fn lane(self, _i: usize) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _i: usize, x: f64) {
+        *self = x;
+    }
+    #[inline(always)]
+    fn bits(mask: bool) -> u8 {
+        u8::from(mask)
+    }
+    #[inline(always)]
+    fn mask(bits: u8) -> bool {
+        bits & 1 != 0
+    }
+}
+
+impl Lanes for F32x8 {
+    const COUNT: usize = 8;
+    const ROUNDOFF: f64 = <f32 as Lanes>::ROUNDOFF;
+    const TINY: f64 = <f32 as Lanes>::TINY;
+
+    #[inline(always)]
+    fn lane(self, i: usize) -> f64 {
+        f64::from(Self::lane(&self, i))
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, i: usize, x: f64) {
+        Self::set_lane(self, i, x as f32);
+    }
+    #[inline(always)]
+    fn bits(mask: Mask8) -> u8 {
+        mask.bits()
+    }
+    #[inline(always)]
+    fn mask(bits: u8) -> Mask8 {
+        Mask8::from_bits(bits)
+    }
+}
+
+/// The vector product as textbooks have it: two products and their difference a component. [`Vector3::cross`] is
+/// exacter and dearer than what the published tests are made of.
+#[inline(always)]
+fn cross<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Vector3<R> {
+    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+/// Whether none of three numbers is below zero, or none above.
+#[inline(always)]
+fn same_side<R: Real>([a, b, c]: [R; 3]) -> R::Mask {
+    a.min_or(b.min_or(c)).ge(R::zero()) | a.max_or(b.max_or(c)).le(R::zero())
+}
+
+/// Puts what `f64` says of the lanes in `asked` into a meeting.
+#[cold]
+#[inline(never)]
+fn settle<R: Lanes>(meeting: &mut Meeting<R>, asked: R::Mask, verdict: impl Fn(usize) -> Option<(f64, f64, f64)>) {
+    let asked = R::bits(asked);
+    let mut hit = R::bits(meeting.hit) & !asked;
+    for i in (0..R::COUNT).filter(|i| asked >> i & 1 != 0) {
+        if let Some((t, u, v)) = verdict(i) {
+            hit |= 1 << i;
+            meeting.t.set_lane(i, t);
+            meeting.u.set_lane(i, u);
+            meeting.v.set_lane(i, v);
+        }
+    }
+    meeting.hit = R::mask(hit);
+    meeting.settled = R::mask(asked);
+}
+
+/// The watertight test for corners that are already sheared, with edge functions whose sign is always right: rounding
+/// is monotonic, so the rounded products order as the exact ones do, and where they are equal what they miss decides.
+fn meet_sheared([a, b, c]: [Vector3<f64>; 3], dz: f64) -> Option<(f64, f64, f64)> {
+    let edge = |p: Vector3<f64>, q: Vector3<f64>| {
+        let (first, second) = (p.x * q.y, p.y * q.x);
+        (first - second) + (p.x.mul_add(q.y, -first) - p.y.mul_add(q.x, -second))
+    };
+    let edges = [edge(c, b), edge(a, c), edge(b, a)];
+    let whole: f64 = edges.iter().sum();
+    if !same_side(edges) || whole == 0.0 || whole.is_nan() {
+        return None;
+    }
+    let [first, u, v] = edges.map(|e| (e / whole).max(0.0));
+    let t = (first * a.z + u * b.z + v * c.z) / dz;
+    t.is_finite().then_some((t, u.min(1.0), v.min(1.0)))
+}
+
+/// Lane `i` of three corners.
+#[inline(always)]
+fn corners_of<R: Lanes>(corners: &[Vector3<R>; 3], i: usize) -> [Vector3<f64>; 3] {
+    corners.map(|p| Vector3::new(p.x.lane(i), p.y.lane(i), p.z.lane(i)))
+}

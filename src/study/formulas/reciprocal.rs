@@ -1,0 +1,66 @@
+//! One over a number.
+
+use std::hint::black_box;
+
+use super::timing::{Time, time};
+use super::{Errors, Kind, Noted, Plan, Tally};
+use crate::math::{Real, ulp};
+use crate::simd::{Division, Estimate, F32x8, Guess, NewtonStep, Reciprocal};
+use crate::trial::verify::sample::Rng;
+
+/// Ranges, with the exponents of two between which numbers are drawn.
+const RANGES: [(&str, f64, f64); 2] = [("1 to 2", 0.0, 1.0), ("2^-100 to 2^100", -100.0, 100.0)];
+
+pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+    vec![formula::<Division>(plan, None), formula::<NewtonStep>(plan, None), formula::<Guess>(plan, Some(3.0e-4))]
+}
+
+fn formula<F: Reciprocal>(plan: &Plan, largest: Option<f64>) -> super::Formula {
+    let errors = RANGES.iter().enumerate().map(|(r, &(name, low, high))| {
+        let errors = tally::<F>(plan, r, low, high).errors(name);
+        let noted = largest.map(|value| {
+            let noted = Noted { value, ours: errors.worst.absolute, why: "" };
+            Noted { why: if noted.agrees() { "" } else { "another CPU, or none with such an instruction" }, ..noted }
+        });
+        Errors { noted, ..errors }
+    });
+    let errors = errors.collect();
+    super::Formula { kind: Kind::Reciprocal, name: F::NAME, time: plan.time.then(timed::<F>), ranges: errors }
+}
+
+fn tally<F: Reciprocal>(plan: &Plan, number: usize, low: f64, high: f64) -> Tally {
+    let mut rng = Rng::new("formulas: reciprocal", number);
+    let mut tally = Tally::default();
+    for _ in 0..plan.count.div_ceil(8) {
+        let x = F32x8::from_fn(|_| rng.between(low, high).exp2() as f32);
+        let got = F::of(x);
+        for k in 0..8 {
+            tally.asked += 1;
+            // A quotient of `f32` numbers in `f64` is exact to 2^-53 of itself.
+            let want = 1.0 / f64::from(x.lane(k));
+            let off = (f64::from(got.lane(k)) - want).abs();
+            tally.add(off / f64::from(ulp(want as f32)), off / want, Some(off / want));
+        }
+    }
+    tally
+}
+
+fn timed<F: Reciprocal>() -> Time {
+    fn batch<R: Real>(pack: impl Fn(usize) -> R) -> Vec<R> {
+        (0..64).map(pack).collect()
+    }
+    #[inline(never)]
+    fn run<F: Reciprocal, R: Estimate>(numbers: &[R]) -> usize {
+        const PASSES: usize = 64;
+        for _ in 0..PASSES {
+            for &x in black_box(numbers) {
+                black_box(F::of(x));
+            }
+        }
+        PASSES * numbers.len()
+    }
+    let number = |k: usize| 1.0 + k as f64 / 64.0;
+    let (eights, ones, doubles) =
+        (batch(|k| F32x8::from_fn(|i| number(k + i) as f32)), batch(|k| number(k) as f32), batch(number));
+    time([&mut || run::<F, _>(&eights), &mut || run::<F, _>(&ones), &mut || run::<F, _>(&doubles)])
+}

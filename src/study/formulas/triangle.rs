@@ -1,0 +1,218 @@
+//! Ray/triangle tests: what they cost, how far `t` is off, and how many rays slip through a closed mesh.
+
+use std::hint::black_box;
+
+use glam::{DVec3, Vec3};
+
+use super::timing::{Time, time};
+use super::{Errors, Kind, Noted, Plan, Tally};
+use crate::geometry::TriMesh;
+use crate::geometry::triangle_test::{Certified, Lanes, MollerTrumbore, PlaneArea, Pluecker, TriangleTest, Watertight};
+use crate::math::{Vector3, ulp};
+use crate::simd::{F32x8, Vec3x8};
+use crate::trial::verify::sample::Rng;
+
+/// What rays are aimed at.
+#[derive(Clone, Copy, PartialEq)]
+enum Target {
+    Anywhere,
+    Corners,
+    Edges,
+}
+
+/// A range: its name, whether the mesh has bumps, where it stands, what is aimed at, and the share of rays that slipped
+/// through elsewhere: Möller-Trumbore and Plücker (with its ulp).
+struct Range {
+    name: &'static str,
+    bumps: bool,
+    centre: Vec3,
+    target: Target,
+    noted: [f64; 2],
+}
+
+/// Where Embree's own tests put their meshes.
+const FAR: Vec3 = Vec3::new(148_376.0, 1_234.0, -223_423.0);
+
+const RANGES: [Range; 9] = [
+    Range { name: "bumps, random", bumps: true, centre: Vec3::ZERO, target: Target::Anywhere, noted: [0.0, 0.0] },
+    Range { name: "bumps, corners", bumps: true, centre: Vec3::ZERO, target: Target::Corners, noted: [0.063_68, 1e-4] },
+    Range { name: "bumps, edges", bumps: true, centre: Vec3::ZERO, target: Target::Edges, noted: [0.107_11, 0.0] },
+    Range { name: "ball, random", bumps: false, centre: Vec3::ZERO, target: Target::Anywhere, noted: [0.0, 0.0] },
+    Range { name: "ball, corners", bumps: false, centre: Vec3::ZERO, target: Target::Corners, noted: [0.049_58, 4e-5] },
+    Range { name: "ball, edges", bumps: false, centre: Vec3::ZERO, target: Target::Edges, noted: [0.095_2, 0.0] },
+    Range { name: "far ball, random", bumps: false, centre: FAR, target: Target::Anywhere, noted: [0.0, 0.0] },
+    Range { name: "far ball, corners", bumps: false, centre: FAR, target: Target::Corners, noted: [5.9e-4, 0.0] },
+    Range { name: "far ball, edges", bumps: false, centre: FAR, target: Target::Edges, noted: [0.056_17, 0.0] },
+];
+
+pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+    vec![
+        formula::<PlaneArea>(plan, None),
+        formula::<MollerTrumbore>(plan, Some(0)),
+        formula::<Pluecker>(plan, Some(1)),
+        formula::<Watertight>(plan, None),
+        formula::<Certified>(plan, None),
+    ]
+}
+
+fn formula<T: TriangleTest>(plan: &Plan, column: Option<usize>) -> super::Formula {
+    let errors = RANGES.iter().enumerate().map(|(r, range)| {
+        let errors = tally::<T>(plan, r, range).errors(range.name);
+        // The tight ones lost nothing anywhere.
+        let value = column.map_or(0.0, |c| range.noted[c]);
+        let noted = (T::NAME != PlaneArea::NAME).then(|| {
+            let noted = Noted { value, ours: errors.misjudged, why: "" };
+            Noted { why: if noted.agrees() { "" } else { "another mesh, aimed at from other places, and fused dot products" }, ..noted }
+        });
+        Errors { noted, ..errors }
+    });
+    let errors = errors.collect();
+    super::Formula { kind: Kind::Triangle, name: T::NAME, time: plan.time.then(timed::<T>), ranges: errors }
+}
+
+/// Triangles eight at a time.
+struct Packed {
+    corners: Vec<[Vec3x8; 3]>,
+}
+
+impl Packed {
+    fn new(mesh: &TriMesh) -> Self {
+        let count = mesh.triangles.len();
+        let corners = (0..count.div_ceil(8)).map(|packet| {
+            let mut eight = [Vec3x8::splat(Vec3::NAN); 3];
+            for lane in 0..8.min(count - packet * 8) {
+                for (eight, corner) in eight.iter_mut().zip(mesh.corners(packet * 8 + lane)) {
+                    eight.set_lane(lane, corner);
+                }
+            }
+            eight
+        });
+        Self { corners: corners.collect() }
+    }
+}
+
+/// A closed ball of 20 stacks and 40 slices, with or without bumps, of radius about 1.
+fn ball(bumps: bool, centre: Vec3) -> TriMesh {
+    const N: u32 = 20;
+    let point = |stack: u32, slice: u32| {
+        let theta = std::f32::consts::PI * stack as f32 / N as f32;
+        let phi = std::f32::consts::PI * (slice % (2 * N)) as f32 / N as f32;
+        let r = if bumps { 1.0 + 0.1 * (6.0 * phi).sin() * (5.0 * theta).sin() } else { 1.0 };
+        let ring = if stack == 0 || stack == N { 0.0 } else { theta.sin() };
+        centre + r * Vec3::new(ring * phi.cos(), theta.cos(), ring * phi.sin())
+    };
+    // One point a pole, so that the mesh is closed to the bit.
+    let at = |stack: u32, slice: u32| match stack {
+        0 => 0,
+        N => 1,
+        _ => 2 + (stack - 1) * 2 * N + slice % (2 * N),
+    };
+    let rings = (1..N).flat_map(|stack| (0..2 * N).map(move |slice| point(stack, slice)));
+    let positions = [point(0, 0), point(N, 0)].into_iter().chain(rings).collect();
+    let mut triangles = Vec::new();
+    for stack in 0..N {
+        for slice in 0..2 * N {
+            let corners = [at(stack, slice), at(stack, slice + 1), at(stack + 1, slice), at(stack + 1, slice + 1)];
+            if stack > 0 {
+                triangles.push([corners[0], corners[1], corners[2]]);
+            }
+            if stack + 1 < N {
+                triangles.push([corners[1], corners[3], corners[2]]);
+            }
+        }
+    }
+    TriMesh { positions, triangles, ..TriMesh::default() }
+}
+
+fn tally<T: TriangleTest>(plan: &Plan, number: usize, range: &Range) -> Tally {
+    let mut rng = Rng::new("formulas: triangles", number);
+    let mesh = ball(range.bumps, range.centre);
+    let packed = Packed::new(&mesh);
+    let mut tally = Tally::default();
+    for _ in 0..plan.count {
+        // From anywhere well inside.
+        let origin = (range.centre.as_dvec3() + rng.direction() * rng.between(0.0, 0.5)).as_vec3();
+        let corners = mesh.corners(rng.below(mesh.triangles.len()));
+        let dir = match range.target {
+            Target::Anywhere => rng.direction().as_vec3(),
+            Target::Corners => corners[0] - origin,
+            Target::Edges => corners[0].lerp(corners[1], rng.unit() as f32) - origin,
+        };
+        shoot::<T>(&packed, &mesh, origin, dir, &mut tally);
+    }
+    tally
+}
+
+/// One ray, at all triangles.
+fn shoot<T: TriangleTest>(packed: &Packed, mesh: &TriMesh, origin: Vec3, dir: Vec3, tally: &mut Tally) {
+    let ray = T::prepare::<F32x8>(Vec3x8::splat(origin), Vec3x8::splat(dir));
+    let exact = Watertight::prepare::<f64>(origin.as_dvec3().into(), dir.as_dvec3().into());
+    let (mut met, mut settled) = (false, false);
+    for (packet, corners) in packed.corners.iter().enumerate() {
+        let meeting = T::meet(&ray, corners);
+        settled |= F32x8::bits(meeting.settled) != 0;
+        let hit = F32x8::bits(meeting.hit);
+        for lane in (0..8).filter(|lane| hit >> lane & 1 != 0) {
+            let t = F32x8::lane(&meeting.t, lane);
+            if t <= 0.0 {
+                continue;
+            }
+            met = true;
+            let corners = mesh.corners(packet * 8 + lane).map(|p| Vector3::from(p.as_dvec3()));
+            let truth = Watertight::meet(&exact, &corners);
+            if truth.hit {
+                let off = (f64::from(t) - truth.t).abs();
+                tally.add(off / f64::from(ulp(truth.t as f32)), off / truth.t.abs(), Some(off / truth.t.abs()));
+            }
+        }
+    }
+    tally.asked += 1;
+    tally.misjudged += u64::from(!met);
+    tally.settled += u64::from(settled);
+}
+
+fn timed<T: TriangleTest>() -> Time {
+    #[inline(never)]
+    fn run<T: TriangleTest, R: Lanes>(pairs: &[(T::Ray<R>, [Vector3<R>; 3])]) -> usize {
+        const PASSES: usize = 64;
+        for _ in 0..PASSES {
+            for (ray, corners) in black_box(pairs) {
+                let met = T::meet(ray, corners);
+                black_box((met.hit, met.t, met.u, met.v));
+            }
+        }
+        PASSES * pairs.len()
+    }
+    // One ray in two meets its triangle, by turns that no branch predictor learns.
+    let mut rng = Rng::new("formulas: triangles, timed", 0);
+    let mut pair = || {
+        let corners: [DVec3; 3] = std::array::from_fn(|_| rng.direction());
+        let origin = rng.direction() * 3.0;
+        let inside = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let aside = if rng.below(2) == 0 { DVec3::ZERO } else { rng.direction() * 2.0 };
+        (origin, (inside + aside - origin).normalize(), corners)
+    };
+    let drawn: Vec<(DVec3, DVec3, [DVec3; 3])> = (0..64).map(|_| pair()).collect();
+    let doubles: Vec<_> =
+        drawn.iter().map(|&(o, d, c)| (T::prepare::<f64>(o.into(), d.into()), c.map(Vector3::<f64>::from))).collect();
+    let narrow = |v: DVec3| Vector3::<f32>::from(v.as_vec3());
+    let ones: Vec<_> =
+        drawn.iter().map(|&(o, d, c)| (T::prepare::<f32>(narrow(o), narrow(d)), c.map(narrow))).collect();
+    // A ray at eight triangles, as in the leaf of a hierarchy.
+    let eights: Vec<_> = drawn
+        .as_chunks::<8>()
+        .0
+        .iter()
+        .map(|eight| {
+            let (o, d) = (eight[0].0.as_vec3(), eight[0].1.as_vec3());
+            let mut corners = [Vec3x8::splat(Vec3::ZERO); 3];
+            for (lane, (_, _, c)) in eight.iter().enumerate() {
+                for (corner, c) in corners.iter_mut().zip(c) {
+                    corner.set_lane(lane, c.as_vec3());
+                }
+            }
+            (T::prepare::<F32x8>(Vec3x8::splat(o), Vec3x8::splat(d)), corners)
+        })
+        .collect();
+    time([&mut || run::<T, _>(&eights), &mut || run::<T, _>(&ones), &mut || run::<T, _>(&doubles)])
+}

@@ -1,0 +1,3 @@
+//! What accuracy costs.
+
+pub mod formulas;
