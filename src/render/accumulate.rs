@@ -68,6 +68,12 @@ impl Accumulator {
         }
     }
 
+    /// The sums of pixel `i`: radiance and truncated weight, in units of 2^-64.
+    #[must_use]
+    pub fn sums(&self, i: usize) -> ([i128; 3], [i128; 3]) {
+        (self.pixels[i].radiance, self.pixels[i].truncated)
+    }
+
     /// The radiance and the truncated weight of pixel `i`, divided by `samples`.
     #[must_use]
     pub fn mean(&self, i: usize, samples: u32) -> ([f32; 3], [f32; 3]) {

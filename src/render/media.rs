@@ -69,6 +69,12 @@ impl<'a> MediaTable<'a> {
         self.intern(stack)
     }
 
+    /// The media a ray with this stack has entered, highest priority last.
+    #[must_use]
+    pub fn entered(&self, stack: StackId) -> &[u32] {
+        &self.stacks[stack.0 as usize]
+    }
+
     /// The medium a ray with this stack is in.
     #[inline]
     #[must_use]

@@ -119,6 +119,27 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     })
 }
 
+/// One pixel of the picture that [`render`] makes (columns and rows from 0, at the upper left), with every ray that came
+/// of it written down: radiance and truncated weight as the picture has them, to the bit.
+///
+/// # Errors
+/// [`Error::Interrupted`] when the observer said stop.
+pub fn recorded<I: Intersector>(
+    scene: &Scene,
+    accel: &I,
+    options: &Options,
+    observer: &Observer,
+    (x, y): (u32, u32),
+) -> Result<([f32; 3], [f32; 3], record::Tree)> {
+    let eye_media = eye::media_around(scene, accel);
+    let stages = Stages::of(scene, options);
+    let mut worker = Worker::new(scene, accel, &stages, options, &eye_media, observer);
+    let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
+    let samples = scene.settings.samples * scene.settings.samples;
+    let (radiance, truncated) = worker.shading.accumulator.mean(0, samples);
+    Ok((radiance, truncated, tree))
+}
+
 /// What a thread counted.
 #[derive(Default)]
 struct Tally {

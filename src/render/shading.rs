@@ -20,6 +20,10 @@ pub struct Shading<'a> {
     pub oliveira: Oliveira,
     /// What stops a shadow ray at once.
     pub shadow_admits: GeometryMask,
+    /// How often a ray may reflect or refract.
+    pub max_depth: usize,
+    /// The weight below which rays end.
+    pub cutoff: f32,
     pub accumulator: Accumulator,
     pub counts: RayCounts,
     pub unmatched_exits: u64,
@@ -36,6 +40,8 @@ impl<'a> Shading<'a> {
             media: MediaTable::new(&scene.media),
             oliveira,
             shadow_admits,
+            max_depth: scene.settings.max_depth as usize,
+            cutoff: scene.settings.cutoff,
             accumulator: Accumulator::default(),
             counts: RayCounts::default(),
             unmatched_exits: 0,
@@ -69,9 +75,9 @@ impl<'a> Shading<'a> {
     pub fn spawn(&mut self, lanes: u8, new: &Spawn8, kind: RayKind, depth: usize) {
         let heaviest = new.weight.max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
-        let too_deep = depth >= self.scene.settings.max_depth as usize;
+        let too_deep = depth >= self.max_depth;
         // A NaN weight compares false and lives on, to be counted where it lands.
-        let light = heaviest.lt(F32x8::from(self.scene.settings.cutoff)).bits();
+        let light = heaviest.lt(F32x8::from(self.cutoff)).bits();
         let ended = if too_deep { carrying } else { carrying & light };
         self.accumulator.add_truncated8(ended, new.pixel, &new.weight);
         self.queue(kind, depth + 1).push8(carrying & !ended, new);

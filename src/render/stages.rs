@@ -14,6 +14,7 @@ use super::split::{self, SplitStage};
 use super::surface::{self, GatherStage, Shapes};
 use super::through::{self, FinishStage, PassStage};
 use crate::geometry::GeometryMask;
+use crate::optics::RefractionModel;
 use crate::scene::{Colour, Light, Material, Rgb, Scene, ShadowRule};
 
 /// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
@@ -23,6 +24,8 @@ pub const STREAM: usize = 128;
 /// The functions of one render.
 #[derive(Clone, Debug)]
 pub struct Stages {
+    /// The formula that bends light, which the functions of `bins` have in them.
+    pub refraction: RefractionModel,
     /// What media take; none where none takes anything.
     pub medium: Option<MediumStage>,
     /// What rays see that meet nothing.
@@ -74,6 +77,7 @@ impl Stages {
             finish: absorbing.then_some(through::finish as FinishStage),
         });
         Self {
+            refraction: options.refraction,
             medium: absorbing.then_some(medium::absorb as MediumStage),
             miss: sky::pick(&scene.environment),
             bins: std::array::from_fn(|bin| BinStages::of(bin, scene, options)),

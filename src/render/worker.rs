@@ -32,18 +32,18 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) accel: &'a I,
     pub(super) scratch: I::Scratch,
     pub(super) shading: Shading<'a>,
-    observer: &'a Observer,
+    pub(super) observer: &'a Observer,
     lens: Lens,
     eye_stack: StackId,
     /// By object.
-    bin_of: Vec<u8>,
+    pub(super) bin_of: Vec<u8>,
 
     chunk: Chunk,
     hits: Vec<Hit8>,
     bins: [Vec<HitRef>; BINS],
     misses: Vec<HitRef>,
     pub(super) surfaces: Vec<Surface8>,
-    bases: Vec<super::base::Base8>,
+    pub(super) bases: Vec<super::base::Base8>,
     pub(super) shadow_chunk: Chunk,
     pub(super) shadow_hits: Vec<Hit8>,
     /// Lengths of the shadow rays, while they are cut short of their lamps.
@@ -114,7 +114,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
     }
 
     /// Fills the chunk with one camera ray for each pixel of the tile: packets of 4 by 2 pixels, in blocks of 8 by 8.
-    fn camera_rays(&self, tile: &Tile, sample_x: u32, sample_y: u32, chunk: &mut Chunk) {
+    pub(super) fn camera_rays(&self, tile: &Tile, sample_x: u32, sample_y: u32, chunk: &mut Chunk) {
         let n = self.shading.scene.settings.samples;
         let (dx, dy) = (sample_offset(sample_x, n), sample_offset(sample_y, n));
         for block in tile.packets() {

@@ -4,10 +4,12 @@
 //! for; [`Tree`] keeps every ray with what it met, how it was split, what it added to the pixel and what was cut off.
 
 mod event;
+mod follow;
 
 pub use event::{Cut, Event, Met, Share, Source, Split};
 
 use super::RayKind;
+pub(super) use follow::record;
 use glam::DVec3;
 
 /// A ray's place in [`Tree::events`].

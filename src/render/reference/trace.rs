@@ -192,8 +192,6 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 let boundary = Boundary::new(prepared.ior(from), prepared.ior(to));
                 let crossing = boundary.cross(at.cos_i);
                 let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
-                let through = if crossing.total { DVec3::ZERO } else { one - r };
-                let tint = tint.as_dvec3();
                 let tint = tint.as_dvec3();
                 let transmitted = if crossing.total { DVec3::ZERO } else { (one - r) * tint };
                 let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
