@@ -86,6 +86,13 @@ impl F32x8 {
         wide::f32x8::transpose(rows.map(|r| r.0)).map(Self)
     }
 
+    /// Rounded towards zero, for lanes that an `i32` can hold; others give any number.
+    #[inline(always)]
+    #[must_use]
+    pub fn truncated(self) -> [i32; 8] {
+        self.0.fast_trunc_int().to_array()
+    }
+
     /// The smallest lane; lanes that are NaN are passed over.
     #[inline(always)]
     #[must_use]
@@ -304,6 +311,12 @@ mod tests {
         for (k, column) in columns.iter().enumerate() {
             assert_eq!(column.to_array(), std::array::from_fn(|i| (10 * i + k) as f32));
         }
+    }
+
+    #[test]
+    fn truncation_is_towards_zero() {
+        let lanes = F32x8::new([0.0, 0.99, 1.0, -0.5, -1.5, 15.999, 8_388_609.0, -7.0]);
+        assert_eq!(lanes.truncated(), [0, 0, 1, 0, -1, 15, 8_388_609, -7]);
     }
 
     /// Case LN-06 of the catalogue.

@@ -3,7 +3,7 @@
 //! The same primitives give the same tree for any number of threads: where to split is decided from sums and minima
 //! whose order does not matter, and who works on which half is decided by size alone.
 
-use super::split::{self, Split};
+use super::split;
 use crate::math::Real;
 use crate::simd::F32x8;
 
@@ -38,6 +38,13 @@ impl PrimRef {
     #[inline(always)]
     pub fn id(&self) -> (u32, u32) {
         (self.0.lane(3).to_bits(), self.0.lane(7).to_bits())
+    }
+
+    /// Twice the centre of the box by axis; a lane that means nothing; the same negated; another one.
+    #[inline(always)]
+    pub fn twice_centres(&self) -> F32x8 {
+        let [a, b, c, d, e, f, g, h] = self.0.to_array();
+        self.0 - F32x8::new([e, f, g, h, a, b, c, d])
     }
 
     /// Twice the centre of the box, along one axis.
@@ -82,11 +89,20 @@ impl Bounds {
     }
 }
 
+/// What a visit to a node of eight costs, in visits to a leaf.
+const WIDE_COST: f32 = 1.0;
+
+/// Children of a node.
+const WIDTH: usize = 8;
+
 /// A node of the binary tree, with the box around what it holds.
 #[derive(Debug)]
 pub(super) struct Node2 {
     pub bounds: Bounds,
     pub kind: Kind,
+    /// By `i`, what its best division into at most `i + 1` leaves and nodes of eight costs a ray: surface areas times
+    /// costs of a visit.
+    cost: [f32; WIDTH],
 }
 
 /// What a node of the binary tree holds.
@@ -98,35 +114,78 @@ pub(super) enum Kind {
     Inner(Box<[Node2; 2]>),
 }
 
-/// Sorts `prims` into a tree, whose leaves name places in the slice as it is left. `None` where it is empty.
-pub(super) fn build(prims: &mut [PrimRef]) -> Option<Node2> {
-    (!prims.is_empty()).then(|| node(prims, 0, 0))
+impl Node2 {
+    fn leaf(bounds: Bounds, first: usize, count: usize) -> Self {
+        Self { bounds, kind: Kind::Leaf { first, count }, cost: [bounds.half_area(); WIDTH] }
+    }
+
+    /// By dynamic programming (Ylitie, Karras, Laine 2017): one that becomes a node of eight shares out eight among its
+    /// halves, one that does not shares out what it is given.
+    fn inner(bounds: Bounds, halves: [Self; 2]) -> Self {
+        let mut cost = [f32::INFINITY; WIDTH];
+        for i in 1..WIDTH {
+            cost[i] = cost[i - 1].min_or(best_share(&halves, i + 1).1);
+        }
+        cost[0] = bounds.half_area() * WIDE_COST + cost[WIDTH - 1];
+        for i in 1..WIDTH {
+            cost[i] = cost[i].min_or(cost[i - 1]);
+        }
+        Self { bounds, kind: Kind::Inner(Box::new(halves)), cost }
+    }
+
+    /// Calls `f` with the at most `room` descendants that are to stand for it, in order.
+    pub fn divide<'a>(&'a self, room: usize, f: &mut impl FnMut(&'a Self)) {
+        match &self.kind {
+            Kind::Inner(halves) if room > 1 && self.cost[room - 1] < self.cost[0] => share_out(halves, room, f),
+            _ => f(self),
+        }
+    }
+
+    /// As [`Node2::divide`] with eight, where it becomes a node itself.
+    pub fn children<'a>(halves: &'a [Self; 2], f: &mut impl FnMut(&'a Self)) {
+        share_out(halves, WIDTH, f);
+    }
 }
 
-fn node(prims: &mut [PrimRef], first: usize, depth: usize) -> Node2 {
-    let extent = split::Extent::of(prims);
+/// How many of `room` the first half is best given, and what that costs.
+fn best_share(halves: &[Node2; 2], room: usize) -> (usize, f32) {
+    let cost = |k: usize| halves[0].cost[k - 1] + halves[1].cost[room - k - 1];
+    (2..room).fold((1, cost(1)), |best, k| if cost(k) < best.1 { (k, cost(k)) } else { best })
+}
+
+fn share_out<'a>(halves: &'a [Node2; 2], room: usize, f: &mut impl FnMut(&'a Node2)) {
+    let (k, _) = best_share(halves, room);
+    halves[0].divide(k, f);
+    halves[1].divide(room - k, f);
+}
+
+/// Sorts `prims` into a tree, whose leaves name places in the slice as it is left. `None` where it is empty.
+pub(super) fn build(prims: &mut [PrimRef]) -> Option<Node2> {
+    (!prims.is_empty()).then(|| node(prims, &split::Extent::of(prims), 0, 0))
+}
+
+fn node(prims: &mut [PrimRef], extent: &split::Extent, first: usize, depth: usize) -> Node2 {
     let count = prims.len();
-    let leaf = Kind::Leaf { first, count };
     let bounds = extent.bounds;
-    let best = split::best(prims, &extent);
+    let best = split::best(prims, extent);
     if count <= LEAF_SIZE {
         let worth_it = best.is_some_and(|b| NODE_COST * bounds.half_area() + b.cost < bounds.half_area());
         if !worth_it || depth >= MAX_DEPTH {
-            return Node2 { bounds, kind: leaf };
+            return Node2::leaf(bounds, first, count);
         }
     }
     // Halving from here on must still fit: then the heuristic has had its way for long enough.
     let levels_to_halve = count.div_ceil(LEAF_SIZE).next_power_of_two().trailing_zeros() as usize;
     let balanced = depth + levels_to_halve + 1 >= MAX_DEPTH;
-    let middle = match best {
-        Some(Split { axis, bin, .. }) if !balanced => split::partition(prims, &extent, axis, bin),
-        _ => split::halve(prims, &extent),
+    let (middle, extents) = match best {
+        Some(split) if !balanced => split::partition(prims, &split),
+        _ => split::halve(prims, extent),
     };
     let (low, high) = prims.split_at_mut(middle);
-    let mut left = || node(low, first, depth + 1);
-    let mut right = || node(high, first + middle, depth + 1);
+    let mut left = || node(low, &extents[0], first, depth + 1);
+    let mut right = || node(high, &extents[1], first + middle, depth + 1);
     let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
-    Node2 { bounds, kind: Kind::Inner(Box::new([left, right])) }
+    Node2::inner(bounds, [left, right])
 }
 
 #[cfg(test)]
@@ -152,7 +211,8 @@ mod tests {
         for start in 0..=57 {
             let mut prims: Vec<_> =
                 (0..500).map(|i| PrimRef::new([series(i); 3], [series(i) * 1.5; 3], 0, i as u32)).collect();
-            let depth = deepest(&node(&mut prims, 0, start), start);
+            let extent = split::Extent::of(&prims);
+            let depth = deepest(&node(&mut prims, &extent, 0, start), start);
             assert!(depth <= MAX_DEPTH, "{depth} from {start}");
         }
     }

@@ -1,4 +1,4 @@
-//! From the binary tree to nodes of eight: each takes in its descendants, largest first, until it has eight children.
+//! From the binary tree to nodes of eight: each takes in descendants as suits the surface area heuristic best.
 
 use rayon::prelude::*;
 
@@ -36,7 +36,8 @@ impl Flat {
             }
             Kind::Inner(halves) => halves,
         };
-        let children = descendants(halves);
+        let mut children = arrayvec::ArrayVec::<&Node2, 8>::new();
+        Node2::children(halves, &mut |child| children.push(child));
         let here = self.nodes.len();
         self.nodes.push(Node8::EMPTY);
         for (i, child) in children.iter().enumerate() {
@@ -51,21 +52,4 @@ impl Flat {
         }
         Child::node(here)
     }
-}
-
-/// Up to eight nodes that together hold what the two hold: always the largest inner one is opened.
-fn descendants(halves: &[Node2; 2]) -> arrayvec::ArrayVec<&Node2, 8> {
-    let mut open: arrayvec::ArrayVec<&Node2, 8> = halves.iter().collect();
-    while open.len() < 8 {
-        let largest = (0..open.len())
-            .filter(|&i| matches!(open[i].kind, Kind::Inner(_)))
-            .max_by(|&i, &k| open[i].bounds.half_area().total_cmp(&open[k].bounds.half_area()).then(k.cmp(&i)));
-        let Some(i) = largest else { break };
-        if let Kind::Inner(halves) = &open[i].kind {
-            let [a, b] = halves.as_ref();
-            open[i] = a;
-            open.push(b);
-        }
-    }
-    open
 }

@@ -3,10 +3,13 @@
 use rayon::prelude::*;
 
 use super::bvh2::{Bounds, LEAF_SIZE, PrimRef};
-use crate::simd::F32x8;
+use crate::math::{LaneMask, Real};
+use crate::simd::{F32x8, Mask8};
 
-/// Bins an axis.
+/// Bins an axis, of large sets; and of small ones, whose bins cost more than what they hold.
 const BINS: usize = 16;
+const FEW_BINS: usize = 8;
+const SMALL: usize = 32;
 
 /// Sets larger than this are looked through by several tasks, in pieces of this size.
 const PIECE: usize = 1 << 15;
@@ -28,59 +31,79 @@ impl Extent {
         if prims.len() > PIECE {
             return prims.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union);
         }
-        prims.iter().fold(Self::EMPTY, |e, p| {
-            let [x, y, z] = [0, 1, 2].map(|axis| p.twice_centre(axis));
-            let centre = F32x8::new([x, y, z, 0.0, -x, -y, -z, 0.0]);
-            Self { bounds: e.bounds.union(p.0), centres: e.centres.union(centre) }
-        })
+        prims.iter().fold(Self::EMPTY, |e, p| e.with(p.0, p.twice_centres()))
+    }
+
+    #[inline(always)]
+    fn with(self, bounds: F32x8, centres: F32x8) -> Self {
+        Self { bounds: self.bounds.union(bounds), centres: self.centres.union(centres) }
     }
 
     fn union(self, o: Self) -> Self {
-        Self { bounds: self.bounds.union(o.bounds.0), centres: self.centres.union(o.centres.0) }
-    }
-
-    /// First centre and bins a unit of length, by axis; 0 bins where the centres coincide.
-    fn scale(&self, axis: usize) -> (f32, f32) {
-        let (lo, hi) = (self.centres.lo()[axis], self.centres.hi()[axis]);
-        let per_length = BINS as f32 / (hi - lo);
-        (lo, if per_length.is_finite() { per_length } else { 0.0 })
+        self.with(o.bounds.0, o.centres.0)
     }
 }
 
-/// The bin of a primitive; any number at all gives a bin.
-#[inline(always)]
-fn bin_of(p: &PrimRef, axis: usize, (start, per_length): (f32, f32)) -> usize {
-    (((p.twice_centre(axis) - start) * per_length) as usize).min(BINS - 1)
+/// From doubled centres to bins: where the first one begins, and how many there are in a unit of length, by axis; 0
+/// where the centres coincide.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    start: F32x8,
+    per_length: F32x8,
+    last: F32x8,
+}
+
+impl Scale {
+    fn new(extent: &Extent, bins: usize) -> Self {
+        let (lo, hi) = (extent.centres.lo(), extent.centres.hi());
+        let per_length = |axis: usize| {
+            let per_length = bins as f32 / (hi[axis] - lo[axis]);
+            if per_length.is_finite() { per_length } else { 0.0 }
+        };
+        let lanes = |[x, y, z]: [f32; 3]| F32x8::new([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        Self {
+            start: lanes(lo),
+            per_length: lanes([per_length(0), per_length(1), per_length(2)]),
+            last: F32x8::from((bins - 1) as f32),
+        }
+    }
+
+    /// The bins of a primitive with these doubled centres, by axis; any number at all gives a bin.
+    #[inline(always)]
+    fn bins_of(&self, centres: F32x8) -> F32x8 {
+        ((centres - self.start) * self.per_length).max_or(F32x8::ZERO).min_or(self.last)
+    }
 }
 
 /// A way to divide a set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
-    /// Along which axis.
-    pub axis: usize,
+    scale: Scale,
+    axis: usize,
     /// The first bin of the upper part.
-    pub bin: usize,
+    bin: usize,
     /// Area times leaf blocks of both parts.
     pub cost: f32,
 }
 
 #[derive(Clone, Copy)]
-struct Bins {
-    bounds: [[Bounds; BINS]; 3],
-    count: [[u32; BINS]; 3],
+struct Bins<const N: usize> {
+    bounds: [[Bounds; N]; 3],
+    count: [[u32; N]; 3],
 }
 
-impl Bins {
-    const EMPTY: Self = Self { bounds: [[Bounds::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
+impl<const N: usize> Bins<N> {
+    const EMPTY: Self = Self { bounds: [[Bounds::EMPTY; N]; 3], count: [[0; N]; 3] };
 
-    fn of(prims: &[PrimRef], scales: &[(f32, f32); 3]) -> Self {
+    fn of(prims: &[PrimRef], scale: &Scale) -> Self {
         if prims.len() > PIECE {
-            return prims.par_chunks(PIECE).map(|c| Self::of(c, scales)).reduce(|| Self::EMPTY, Self::union);
+            return prims.par_chunks(PIECE).map(|c| Self::of(c, scale)).reduce(|| Self::EMPTY, Self::union);
         }
         let mut bins = Self::EMPTY;
         for p in prims {
-            for (axis, scale) in scales.iter().enumerate() {
-                let bin = bin_of(p, axis, *scale);
+            let places = scale.bins_of(p.twice_centres()).truncated();
+            for (axis, &place) in places[..3].iter().enumerate() {
+                let bin = place as usize % N;
                 bins.bounds[axis][bin] = bins.bounds[axis][bin].union(p.0);
                 bins.count[axis][bin] += 1;
             }
@@ -90,7 +113,7 @@ impl Bins {
 
     fn union(mut self, o: Self) -> Self {
         for axis in 0..3 {
-            for bin in 0..BINS {
+            for bin in 0..N {
                 self.bounds[axis][bin] = self.bounds[axis][bin].union(o.bounds[axis][bin].0);
                 self.count[axis][bin] += o.count[axis][bin];
             }
@@ -102,21 +125,25 @@ impl Bins {
 /// The cheapest division by the surface area heuristic; `None` where every bin border leaves one side empty or costs
 /// more than can be told. Ties go to the lower axis, then to the lower bin.
 pub(super) fn best(prims: &[PrimRef], extent: &Extent) -> Option<Split> {
-    let scales = [0, 1, 2].map(|axis| extent.scale(axis));
-    let bins = Bins::of(prims, &scales);
+    if prims.len() > SMALL { best_of::<BINS>(prims, extent) } else { best_of::<FEW_BINS>(prims, extent) }
+}
+
+fn best_of<const N: usize>(prims: &[PrimRef], extent: &Extent) -> Option<Split> {
+    let scale = Scale::new(extent, N);
+    let bins = Bins::<N>::of(prims, &scale);
     let blocks = |count: u32| count.div_ceil(LEAF_SIZE as u32) as f32;
     let mut best: Option<Split> = None;
     for axis in 0..3 {
         let (bounds, counts) = (&bins.bounds[axis], &bins.count[axis]);
-        let mut above = [0.0_f32; BINS];
+        let mut above = [0.0_f32; N];
         let (mut room, mut count) = (Bounds::EMPTY, 0);
-        for bin in (1..BINS).rev() {
+        for bin in (1..N).rev() {
             room = room.union(bounds[bin].0);
             count += counts[bin];
             above[bin] = if count == 0 { f32::INFINITY } else { room.half_area() * blocks(count) };
         }
         let (mut room, mut count) = (Bounds::EMPTY, 0);
-        for bin in 1..BINS {
+        for bin in 1..N {
             room = room.union(bounds[bin - 1].0);
             count += counts[bin - 1];
             if count == 0 {
@@ -124,33 +151,37 @@ pub(super) fn best(prims: &[PrimRef], extent: &Extent) -> Option<Split> {
             }
             let cost = room.half_area() * blocks(count) + above[bin];
             if cost < best.map_or(f32::INFINITY, |b| b.cost) {
-                best = Some(Split { axis, bin, cost });
+                best = Some(Split { scale, axis, bin, cost });
             }
         }
     }
     best
 }
 
-/// Moves the primitives below `bin` to the front; how many they are.
-pub(super) fn partition(prims: &mut [PrimRef], extent: &Extent, axis: usize, bin: usize) -> usize {
-    let scale = extent.scale(axis);
-    let (mut low, mut high) = (0, prims.len());
-    loop {
-        while low < high && bin_of(&prims[low], axis, scale) < bin {
-            low += 1;
-        }
-        while low < high && bin_of(&prims[high - 1], axis, scale) >= bin {
-            high -= 1;
-        }
-        if low >= high {
-            return low;
-        }
-        prims.swap(low, high - 1);
+/// Moves the primitives below the division to the front; how many they are, and what room each part takes up.
+///
+/// Nothing branches on which part a primitive belongs to, since that cannot be foreseen.
+pub(super) fn partition(prims: &mut [PrimRef], split: &Split) -> (usize, [Extent; 2]) {
+    let border = F32x8::from(split.bin as f32);
+    let (mut low, mut high) = (Extent::EMPTY, Extent::EMPTY);
+    let mut middle = 0;
+    for i in 0..prims.len() {
+        let p = prims[i];
+        let centres = p.twice_centres();
+        // Truncated places are below a whole number exactly where the places themselves are.
+        let below = split.scale.bins_of(centres).lt(border).bits() >> split.axis & 1 != 0;
+        let (in_low, none) = (Mask8::splat(below), F32x8::INFINITY);
+        low = low.with(in_low.select(p.0, none), in_low.select(centres, none));
+        high = high.with(in_low.select(none, p.0), in_low.select(none, centres));
+        prims[i] = prims[middle];
+        prims[middle] = p;
+        middle += usize::from(below);
     }
+    (middle, [low, high])
 }
 
 /// Divides by number at the median centre along the widest axis, where the heuristic finds nothing or must not go on.
-pub(super) fn halve(prims: &mut [PrimRef], extent: &Extent) -> usize {
+pub(super) fn halve(prims: &mut [PrimRef], extent: &Extent) -> (usize, [Extent; 2]) {
     let (lo, hi) = (extent.centres.lo(), extent.centres.hi());
     let width = [0, 1, 2].map(|k| hi[k] - lo[k]);
     let axis = (0..3).fold(0, |a, k| if width[k] > width[a] { k } else { a });
@@ -158,5 +189,5 @@ pub(super) fn halve(prims: &mut [PrimRef], extent: &Extent) -> usize {
     prims.select_nth_unstable_by(middle, |a, b| {
         a.twice_centre(axis).total_cmp(&b.twice_centre(axis)).then_with(|| a.id().cmp(&b.id()))
     });
-    middle
+    (middle, [Extent::of(&prims[..middle]), Extent::of(&prims[middle..])])
 }
