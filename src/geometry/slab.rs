@@ -73,6 +73,14 @@ impl<R: Real> SlabRay<R> {
         let (enter, leave) = self.clip(lo, hi, -limit, limit);
         (leave.min_or(enter.max_or(t)), enter.le(leave))
     }
+
+    /// As [`SlabRay::limit`], with the planes already in the order in which the ray meets them.
+    #[inline(always)]
+    pub fn limit_sorted(&self, near: Vector3<R>, far: Vector3<R>, t: R) -> (R, R::Mask) {
+        let limit = R::splat(f64::from(T_LIMIT));
+        let (enter, leave) = self.clip_sorted(near, far, -limit, limit);
+        (leave.min_or(enter.max_or(t)), enter.le(leave))
+    }
 }
 
 /// The far end of an interval, a little farther; NaN for -inf, which nothing is below.

@@ -14,12 +14,23 @@ pub(super) trait Leaf: Sync {
     fn occluded_one(&self, ray: &One, t_max: f32) -> bool;
     /// The boxes of the primitives, by slot; those of empty slots may be anything.
     fn boxes(&self) -> Planes;
-    /// Takes the nearest hits of the rays in `lanes` with the primitives in `slots` into `best`, where they are nearer.
-    fn closest_eight(&self, rays: &Eight, lanes: u8, slots: u8, best: &mut Best8);
-    /// Which rays of `lanes` meet any of the primitives in `slots` at or before their `t_max`.
-    fn occluded_eight(&self, rays: &Eight, lanes: u8, slots: u8, t_max: F32x8) -> u8;
+    /// Takes the nearest hits of rays with the primitives in `slots` into `best`, where they are nearer.
+    fn closest_eight(&self, rays: &Eight, to: &Towards, slots: u8, best: &mut Best8);
+    /// Which rays meet any of the primitives in `slots` at or before their `t_max`.
+    fn occluded_eight(&self, rays: &Eight, to: &Towards, slots: u8, t_max: F32x8) -> u8;
     /// Ids of the primitives within, `(geometry, primitive)`.
     fn ids(&self) -> impl Iterator<Item = (u32, u32)>;
+}
+
+/// Which rays of a packet are tested, and what they have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Towards<'a> {
+    /// The rays.
+    pub lanes: u8,
+    /// The octant that all of them run into.
+    pub octant: [usize; 3],
+    /// [`Leaf::boxes`].
+    pub boxes: &'a Planes,
 }
 
 /// Ids and kinds of the primitives in a block.
@@ -104,6 +115,12 @@ impl Best {
         }
     }
 
+    /// Whether there is a hit.
+    #[inline(always)]
+    pub fn is_hit(&self) -> bool {
+        self.geometry != NO_GEOMETRY
+    }
+
     /// The hit, or a miss.
     #[inline(always)]
     pub fn hit(&self) -> Hit {
@@ -178,20 +195,18 @@ impl Best8 {
 
     /// Writes hits or misses into `lanes` of `hits`.
     #[inline(always)]
-    pub fn write(&self, mut lanes: u8, hits: &mut Hit8) {
-        if lanes == u8::MAX {
-            let geometry = self.geometry.to_array().map(f32::to_bits);
-            let t = self.t.as_array();
-            hits.t = F32x8::from_fn(|i| if geometry[i] == NO_GEOMETRY { f32::INFINITY } else { t[i] });
-            (hits.u, hits.v, hits.instance, hits.geometry) = (self.u, self.v, [0; 8], geometry);
-            hits.primitive = self.primitive.to_array().map(f32::to_bits);
-            return;
-        }
-        while lanes != 0 {
-            let i = lanes.trailing_zeros() as usize & 7;
-            lanes &= lanes - 1;
-            hits.set_lane(i, &self.lane(i).hit());
-        }
+    pub fn write(&self, lanes: u8, hits: &mut Hit8) {
+        let lanes = Mask8::from_bits(lanes);
+        let put = |new: F32x8, old: [u32; 8]| bytemuck::cast(lanes.select(new, bytemuck::cast(old)));
+        let geometry: [u32; 8] = bytemuck::cast(self.geometry);
+        let t = self.t.as_array();
+        let t = F32x8::from_fn(|i| if geometry[i] == NO_GEOMETRY { f32::INFINITY } else { t[i] });
+        hits.t = lanes.select(t, hits.t);
+        hits.u = lanes.select(self.u, hits.u);
+        hits.v = lanes.select(self.v, hits.v);
+        hits.instance = put(F32x8::ZERO, hits.instance);
+        hits.geometry = put(self.geometry, hits.geometry);
+        hits.primitive = put(self.primitive, hits.primitive);
     }
 }
 

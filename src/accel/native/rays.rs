@@ -1,5 +1,7 @@
 //! Rays made ready for traversal: what every step would otherwise work out again.
 
+use super::bits::transpose;
+use super::bvh8::{Bvh8, Child, Planes};
 use crate::geometry::Ray8;
 use crate::geometry::slab::{SlabRay, T_LIMIT, is_traceable};
 use crate::geometry::triangle::{Axis, ShearedRay};
@@ -9,19 +11,13 @@ use crate::simd::{F32x8, Mask8, Vec3x8};
 /// The axes as [`Axis::turn`] turns them, by the longest one.
 pub(super) const TURNED: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-/// Eight rays, made ready together.
+/// What box tests ask of eight rays.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Eight {
+pub(super) struct Way8 {
     /// Starts and inverse directions.
     pub slab: SlabRay<F32x8>,
     /// Directions.
     pub dir: Vec3x8,
-    /// Turned and sheared for the triangle test.
-    pub sheared: ShearedRay<F32x8>,
-    /// Longest axes of the directions.
-    pub axis: Axis<Mask8>,
-    /// Lanes whose longest axis is x, and y.
-    axis_bits: (u8, u8),
     /// Lower ends of the intervals.
     pub t_min: F32x8,
     /// Upper ends; -inf in lanes without a ray that can meet anything.
@@ -34,21 +30,17 @@ pub(super) struct Eight {
     backwards: [u8; 3],
 }
 
-impl Eight {
+impl Way8 {
     /// Makes a packet ready. Lanes that can meet nothing are left out from here on.
     #[inline(always)]
     pub fn new(rays: &Ray8) -> Self {
         let t_max = Real::min(rays.t_max, F32x8::from(T_LIMIT));
         let sound = is_traceable(rays.origin, rays.dir, rays.t_min, t_max) & rays.t_max.eq(rays.t_max);
         let lanes = sound.bits() & rays.active;
-        let (sheared, axis) = ShearedRay::new(rays.origin, rays.dir);
         let slab = SlabRay::new(rays.origin, rays.dir);
         Self {
             slab,
             dir: rays.dir,
-            sheared,
-            axis,
-            axis_bits: (axis.is_x.bits(), axis.is_y.bits()),
             t_min: rays.t_min,
             t_max: Mask8::from_bits(lanes).select(t_max, F32x8::from(f32::NEG_INFINITY)),
             lanes,
@@ -64,23 +56,31 @@ impl Eight {
         self.backwards.iter().fold(lanes, |kept, &b| kept & if b >> first & 1 != 0 { b } else { !b })
     }
 
-    /// The lanes among `lanes` that start where the lowest of them does and whose direction is as close to its as
-    /// `agreement`, the square of the cosine between them.
+    /// The lanes among `lanes` whose direction is as close to that of the lowest of them as `agreement`, the square
+    /// of the cosine between them; and those of these that also start where it does.
     #[inline(always)]
-    pub fn same_way(&self, lanes: u8, agreement: f64) -> u8 {
+    pub fn same_way(&self, lanes: u8, agreement: f64) -> (u8, u8) {
         let first = lanes.trailing_zeros() as usize & 7;
         let (dir, start) = (Vec3x8::splat(self.dir.lane(first)), Vec3x8::splat(self.slab.origin.lane(first)));
         let along = self.dir.dot(dir);
         let all = self.dir.length_squared() * dir.length_squared();
         let o = self.slab.origin;
         let together = o.x.eq(start.x) & o.y.eq(start.y) & o.z.eq(start.z);
-        (together & (F32x8::splat(agreement) * all).le(along * along.abs())).bits() & lanes
+        let close = (F32x8::splat(agreement) * all).le(along * along.abs()).bits() & lanes;
+        (close, close & together.bits())
     }
 
     /// For each axis, 1 where the ray of `lane` runs backwards along it: the index of its near planes.
     #[inline(always)]
     pub fn octant(&self, lane: usize) -> [usize; 3] {
         self.backwards.map(|b| usize::from(b >> lane & 1))
+    }
+
+    /// The octants of all rays: a bit an axis, x lowest, set where they run backwards.
+    #[inline(always)]
+    pub fn octants(&self) -> [u8; 8] {
+        let [x, y, z] = self.backwards.map(u64::from);
+        transpose(x | y << 8 | z << 16).to_le_bytes()
     }
 
     /// The rays one by one, each as [`Hot`] has it.
@@ -94,10 +94,72 @@ impl Eight {
     #[inline(always)]
     pub fn split(&self) -> ([Hot; 8], [Turned; 8]) {
         let number = |n: u32| F32x8::from(f32::from_bits(n));
-        let last = self.axis.is_x.select(number(0), self.axis.is_y.select(number(1), number(2)));
-        let (d, s, none) = (self.dir, self.sheared.shear, F32x8::ZERO);
+        let (sheared, axis) = ShearedRay::new(self.slab.origin, self.dir);
+        let last = axis.is_x.select(number(0), axis.is_y.select(number(1), number(2)));
+        let (d, s, none) = (self.dir, sheared.shear, F32x8::ZERO);
         let turned = F32x8::transpose([d.x, d.y, d.z, s.0, s.1, last, number(u32::from(self.admits)), none]);
         (bytemuck::cast(self.rows()), bytemuck::cast(turned))
+    }
+
+    /// The lanes among `lanes` whose intervals begin at zero or later.
+    #[inline(always)]
+    pub fn ahead(&self, lanes: u8) -> u8 {
+        F32x8::ZERO.le(self.t_min).bits() & lanes
+    }
+
+    /// The lanes that meet any box in the root of a tree.
+    #[inline(always)]
+    pub fn reach<L>(&self, tree: &Bvh8<L>) -> u8 {
+        if tree.root.is_leaf() {
+            return if tree.root == Child::NONE { 0 } else { self.lanes };
+        }
+        let planes = &tree.nodes[tree.root.index()].planes;
+        let mut reached = 0;
+        for c in 0..8 {
+            let corner = |side: usize| {
+                let at = |axis: usize| F32x8::from(planes[axis][side].lane(c));
+                Vec3x8::new(at(0), at(1), at(2))
+            };
+            let (enter, leave) = self.slab.clip(corner(0), corner(1), self.t_min, self.t_max);
+            reached |= enter.le(leave).bits();
+        }
+        reached & self.lanes
+    }
+
+    /// Of the boxes in `boxes`, those that a ray of `lanes` meets before `t_max`. All of them run into `octant`.
+    #[inline(always)]
+    pub fn sift(&self, lanes: u8, t_max: F32x8, octant: [usize; 3], planes: &Planes, boxes: u8) -> u8 {
+        let mut kept = 0;
+        each(boxes, |c| {
+            let near = |axis: usize| F32x8::from(planes[axis][octant[axis] & 1].lane(c));
+            let far = |axis: usize| F32x8::from(planes[axis][(octant[axis] & 1) ^ 1].lane(c));
+            let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
+            let (enter, leave) = self.slab.clip_sorted(near, far, self.t_min, t_max);
+            kept |= u8::from(enter.le(leave).bits() & lanes != 0) << c;
+        });
+        kept
+    }
+}
+
+/// Eight rays, made ready for whatever a tree holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eight {
+    /// For boxes.
+    pub way: Way8,
+    /// Turned and sheared for the triangle test.
+    pub sheared: ShearedRay<F32x8>,
+    /// Longest axes of the directions.
+    pub axis: Axis<Mask8>,
+    /// Lanes whose longest axis is x, and y.
+    axis_bits: (u8, u8),
+}
+
+impl Eight {
+    /// From what box tests ask.
+    #[inline(always)]
+    pub fn new(way: &Way8) -> Self {
+        let (sheared, axis) = ShearedRay::new(way.slab.origin, way.dir);
+        Self { way: *way, sheared, axis, axis_bits: (axis.is_x.bits(), axis.is_y.bits()) }
     }
 
     /// The longest axis of the direction in `lane`.
@@ -110,12 +172,6 @@ impl Eight {
         }
     }
 
-    /// The lanes among `lanes` whose intervals begin at zero or later.
-    #[inline(always)]
-    pub fn ahead(&self, lanes: u8) -> u8 {
-        F32x8::ZERO.le(self.t_min).bits() & lanes
-    }
-
     /// The longest axis of all of `lanes`, where they agree.
     #[inline(always)]
     pub fn common_axis(&self, lanes: u8) -> Option<usize> {
@@ -126,6 +182,13 @@ impl Eight {
             (_, _, true) => Some(2),
             _ => None,
         }
+    }
+}
+
+impl Default for Eight {
+    /// No rays.
+    fn default() -> Self {
+        Self::new(&Way8::new(&Ray8::default()))
     }
 }
 
@@ -177,17 +240,17 @@ impl One {
         let spread = |v: &Vec3x8| Vec3x8::new(all(&v.x), all(&v.y), all(&v.z));
         let slab = |s: &SlabRay<F32x8>| SlabRay { origin: spread(&s.origin), inverse: spread(&s.inverse) };
         Self {
-            slab: slab(&rays.slab),
-            dir: spread(&rays.dir),
+            slab: slab(&rays.way.slab),
+            dir: spread(&rays.way.dir),
             sheared: ShearedRay {
                 origin: spread(&rays.sheared.origin),
                 shear: (all(&rays.sheared.shear.0), all(&rays.sheared.shear.1)),
                 dz: all(&rays.sheared.dz),
             },
             axes: TURNED[usize::from(rays.longest_axis(lane))],
-            t_min: all(&rays.t_min),
-            octant: rays.octant(lane),
-            admits: rays.admits,
+            t_min: all(&rays.way.t_min),
+            octant: rays.way.octant(lane),
+            admits: rays.way.admits,
         }
     }
 }
@@ -260,9 +323,9 @@ mod tests {
             for bad in bad {
                 let mut rays = [good; 8];
                 rays[lane] = bad;
-                assert_eq!(Eight::new(&Ray8::pack(&rays)[0]).lanes, !(1 << lane), "{bad:?}");
+                assert_eq!(Way8::new(&Ray8::pack(&rays)[0]).lanes, !(1 << lane), "{bad:?}");
             }
         }
-        assert_eq!(Eight::new(&Ray8::pack(&bad)[0]).lanes, 0);
+        assert_eq!(Way8::new(&Ray8::pack(&bad)[0]).lanes, 0);
     }
 }

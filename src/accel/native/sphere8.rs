@@ -1,7 +1,7 @@
 //! Leaves of exact spheres.
 
 use super::bvh8::Planes;
-use super::leaf::{Best, Best8, Leaf, Tags};
+use super::leaf::{Best, Best8, Leaf, Tags, Towards};
 use super::rays::{Eight, One};
 use crate::geometry::sphere::{grown_bounds, intersect};
 use crate::geometry::{Sphere, slab::SlabRay};
@@ -77,26 +77,26 @@ impl Leaf for Sphere8 {
     }
 
     #[inline(always)]
-    fn closest_eight(&self, rays: &Eight, lanes: u8, slots: u8, best: &mut Best8) {
-        let mut slots = self.tags.admitted(rays.admits) & slots;
+    fn closest_eight(&self, rays: &Eight, to: &Towards, slots: u8, best: &mut Best8) {
+        let mut slots = self.tags.admitted(rays.way.admits) & slots;
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;
             slots &= slots - 1;
-            let (t, met) = intersect_eight(&rays.slab, rays.dir, &self.sphere(i), rays.t_min, best.t);
-            let met = met & Mask8::from_bits(lanes);
+            let (t, met) = intersect_eight(&rays.way.slab, rays.way.dir, &self.sphere(i), rays.way.t_min, best.t);
+            let met = met & Mask8::from_bits(to.lanes);
             best.take(met, t, F32x8::ZERO, F32x8::ZERO, self.tags.geometry[i], self.tags.primitive[i]);
         }
     }
 
     #[inline(always)]
-    fn occluded_eight(&self, rays: &Eight, lanes: u8, slots: u8, t_max: F32x8) -> u8 {
-        let mut slots = self.tags.admitted(rays.admits) & slots;
+    fn occluded_eight(&self, rays: &Eight, to: &Towards, slots: u8, t_max: F32x8) -> u8 {
+        let mut slots = self.tags.admitted(rays.way.admits) & slots;
         let mut blocked = 0;
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;
             slots &= slots - 1;
-            let (_, met) = intersect_eight(&rays.slab, rays.dir, &self.sphere(i), rays.t_min, t_max);
-            blocked |= met.bits() & lanes;
+            let (_, met) = intersect_eight(&rays.way.slab, rays.way.dir, &self.sphere(i), rays.way.t_min, t_max);
+            blocked |= met.bits() & to.lanes;
         }
         blocked
     }

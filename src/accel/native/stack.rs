@@ -1,8 +1,8 @@
 //! What is still to be visited.
 
 use super::bvh8::Child;
-use super::leaf::Best8;
 use super::traverse_batch::Batch;
+use super::traverse_stream::Tile;
 
 /// Entries that the deepest tree a builder may make can fill: seven a level, and one.
 pub(super) const STACK_SIZE: usize = 512;
@@ -27,25 +27,17 @@ pub struct Scratch {
     /// For one ray.
     pub(super) single: Box<Stack>,
     /// For a tile.
-    pub(super) tile: Box<Stack>,
+    pub(super) stack: Box<Stack>,
+    /// Packets that go together.
+    pub(super) tile: Tile,
     /// What scattered rays are gathered in.
     pub(super) batch: Batch,
-    /// The nearest hits of a stretch of packets.
-    pub(super) best: Vec<Best8>,
-    /// Rays of a stretch of packets that are blocked, a byte a packet.
-    pub(super) blocked: Vec<u8>,
 }
 
 impl Default for Scratch {
     fn default() -> Self {
         let empty = [Entry { enter: 0.0, child: Child::NONE, lanes: 0 }; STACK_SIZE];
-        Self {
-            single: Box::new(empty),
-            tile: Box::new(empty),
-            batch: Batch::default(),
-            best: Vec::new(),
-            blocked: Vec::new(),
-        }
+        Self { single: Box::new(empty), stack: Box::new(empty), tile: Tile::default(), batch: Batch::default() }
     }
 }
 

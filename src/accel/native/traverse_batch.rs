@@ -5,30 +5,53 @@
 //! node stay in registers while its list of rays goes by, each with the 32 bytes that the box test needs. A list that
 //! has become short is finished ray by ray.
 
-use arrayvec::ArrayVec;
-
 use super::bits::{compress, transpose};
 use super::bvh8::{Bvh8, Child, Node8, Planes};
-use super::leaf::{Best, Best8, Leaf};
-use super::rays::{Eight, Hot, One, Turned, each};
+use super::leaf::{Best, Leaf};
+use super::rays::{Hot, One, Turned, Way8, each};
 use super::stack::Stack;
 use super::traverse_single;
-use crate::simd::Vec3x8;
+use super::traverse_stream::STRETCH;
+use super::traverse_tile::fetch;
+use crate::geometry::Hit8;
+use crate::math::Real;
+use crate::simd::{F32x8, Vec3x8};
 
 /// A list of no more rays than this is finished ray by ray.
 const FEW: usize = 4;
 
+/// Rays that a batch has room for.
+const ROOM: usize = 8 * STRETCH;
+
 /// Rays that wait to be traced together, and room for the work.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Batch {
-    hot: Vec<Hot>,
-    turned: Vec<Turned>,
-    best: Vec<Best>,
+    /// How many there are.
+    count: usize,
+    hot: Box<[Hot; ROOM]>,
+    turned: Box<[Turned; ROOM]>,
+    best: Box<[Best; ROOM]>,
     /// Whose rays they are: packet times eight, and lane.
-    owner: Vec<u16>,
-    /// By octant, those that go there.
-    octants: [Vec<u16>; 8],
+    owner: Box<[u16; ROOM]>,
+    /// By octant, those that go there, and how many these are.
+    octants: Box<[[u16; ROOM]; 8]>,
+    counts: [usize; 8],
     lists: Lists,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            hot: bytemuck::zeroed_box(),
+            turned: bytemuck::zeroed_box(),
+            best: Box::new([Best::new(0.0); ROOM]),
+            owner: bytemuck::zeroed_box(),
+            octants: bytemuck::zeroed_box(),
+            counts: [0; 8],
+            lists: Lists::default(),
+        }
+    }
 }
 
 /// Lists of rays, each below the ones made after it.
@@ -51,33 +74,37 @@ struct Visit {
 impl Batch {
     /// Takes in the rays in `lanes` of a packet.
     #[inline(always)]
-    pub fn push(&mut self, rays: &Eight, packet: usize, lanes: u8) {
+    pub fn push(&mut self, rays: &Way8, packet: usize, lanes: u8) {
         if lanes == 0 {
             return;
         }
         let (hot, turned) = rays.split();
+        let octants = rays.octants();
         each(lanes, |i| {
-            let id = self.hot.len() as u16;
-            self.hot.push(hot[i]);
-            self.turned.push(turned[i]);
-            self.best.push(Best::new(hot[i].t_max));
-            self.owner.push((packet * 8 + i) as u16);
-            let [x, y, z] = rays.octant(i);
-            self.octants[x | y << 1 | z << 2].push(id);
+            let id = self.count & (ROOM - 1);
+            self.count = id + 1;
+            self.hot[id] = hot[i];
+            self.turned[id] = turned[i];
+            self.best[id] = Best::new(hot[i].t_max);
+            self.owner[id] = (packet * 8 + i) as u16;
+            let octant = usize::from(octants[i] & 7);
+            let place = self.counts[octant] & (ROOM - 1);
+            self.octants[octant][place] = id as u16;
+            self.counts[octant] = place + 1;
         });
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.hot.is_empty()
+        self.count == 0
     }
 
     /// Takes the nearest hits into what is known of the rays.
     #[inline(never)]
     pub fn closest<L: Leaf>(&mut self, tree: &Bvh8<L>, stack: &mut Stack) {
-        let Self { hot, turned, best, octants, lists, .. } = self;
+        let Self { hot, turned, best, octants, counts, lists, .. } = self;
         for (o, ids) in octants.iter().enumerate() {
-            lists.walk(tree, octant(o), ids, hot, |child, ids, hot| {
+            lists.walk::<L, true>(tree, octant(o), &ids[..counts[o]], &mut **hot, |child, ids, hot| {
                 for &id in ids {
                     let id = usize::from(id);
                     let (ray, best) = (One::from(&hot[id], &turned[id]), &mut best[id]);
@@ -95,9 +122,9 @@ impl Batch {
     /// Ends the rays that meet anything, which [`Batch::blocked`] then names.
     #[inline(never)]
     pub fn occluded<L: Leaf>(&mut self, tree: &Bvh8<L>, stack: &mut Stack) {
-        let Self { hot, turned, octants, lists, .. } = self;
+        let Self { hot, turned, octants, counts, lists, .. } = self;
         for (o, ids) in octants.iter().enumerate() {
-            lists.walk(tree, octant(o), ids, hot, |child, ids, hot| {
+            lists.walk::<L, false>(tree, octant(o), &ids[..counts[o]], &mut **hot, |child, ids, hot| {
                 for &id in ids {
                     let id = usize::from(id);
                     let t_max = hot[id].t_max;
@@ -118,11 +145,13 @@ impl Batch {
         }
     }
 
-    /// Gives back what was found, and is empty again.
+    /// Writes what was found, and is empty again.
     #[inline(always)]
-    pub fn finish(&mut self, best: &mut [Best8]) {
-        for (owner, found) in self.owner.iter().zip(&self.best) {
-            best[usize::from(owner >> 3)].set_lane(usize::from(owner & 7), found);
+    pub fn finish(&mut self, hits: &mut [Hit8]) {
+        for (owner, found) in self.owner.iter().zip(&*self.best).take(self.count) {
+            if found.is_hit() {
+                hits[usize::from(owner >> 3)].set_lane(usize::from(owner & 7), &found.hit());
+            }
         }
         self.clear();
     }
@@ -130,18 +159,15 @@ impl Batch {
     /// Marks the rays that were blocked, a byte a packet, and is empty again.
     #[inline(always)]
     pub fn finish_blocked(&mut self, blocked: &mut [u8]) {
-        for (owner, hot) in self.owner.iter().zip(&self.hot) {
+        for (owner, hot) in self.owner.iter().zip(&*self.hot).take(self.count) {
             blocked[usize::from(owner >> 3)] |= u8::from(hot.t_max == f32::NEG_INFINITY) << (owner & 7);
         }
         self.clear();
     }
 
     fn clear(&mut self) {
-        self.hot.clear();
-        self.turned.clear();
-        self.best.clear();
-        self.owner.clear();
-        self.octants.iter_mut().for_each(Vec::clear);
+        self.count = 0;
+        self.counts = [0; 8];
     }
 }
 
@@ -151,9 +177,10 @@ fn octant(o: usize) -> [usize; 3] {
 }
 
 impl Lists {
-    /// Calls `visit` with leaves, and with what few rays reach, roughly near ones first, and the rays that do.
+    /// Calls `visit` with leaves, and with what few rays reach, and the rays that do; roughly near ones first where the
+    /// `NEAREST` hit is wanted.
     #[inline(always)]
-    fn walk<L: Leaf>(
+    fn walk<L: Leaf, const NEAREST: bool>(
         &mut self,
         tree: &Bvh8<L>,
         octant: [usize; 3],
@@ -172,6 +199,9 @@ impl Lists {
         self.stack.push(Visit { child: tree.root, first: 0, count: rays.len() });
         while let Some(Visit { child, first, count }) = self.stack.pop() {
             let end = first + count;
+            if let Some(next) = self.stack.last() {
+                fetch(tree, next.child);
+            }
             if child.is_leaf() || count <= FEW {
                 visit(child, &self.ids[first..end], hot);
                 continue;
@@ -184,10 +214,15 @@ impl Lists {
             let node = &tree.nodes[child.index()];
             let met = self.meet(node, octant, first, count, hot);
             let mut start = end;
-            for c in far_to_near(node, octant, met) {
-                let stop = self.gather(first, count, c, start);
+            let mut push = |c: usize| {
+                let stop = gather(&mut self.ids, &self.masks, first, count, c, start);
                 self.stack.push(Visit { child: node.children[c], first: start, count: stop - start });
                 start = stop;
+            };
+            if NEAREST && met.count_ones() > 1 {
+                far_to_near(node, octant, met, push);
+            } else {
+                each(met, &mut push);
             }
         }
     }
@@ -212,39 +247,41 @@ impl Lists {
         }
         any
     }
-
-    /// Writes the rays of a list that meet child `c` from `to` on; where they end.
-    #[inline(always)]
-    fn gather(&mut self, first: usize, count: usize, c: usize, mut to: usize) -> usize {
-        for (block, masks) in self.masks[..count.div_ceil(8)].iter().enumerate() {
-            let mask = (masks >> (8 * c)) as u8;
-            let from = first + 8 * block;
-            let Some(&ids) = self.ids[from..].first_chunk() else { break };
-            self.ids[to..to + 8].copy_from_slice(&compress(ids, mask));
-            to += mask.count_ones() as usize;
-        }
-        to
-    }
 }
 
-/// The children of a node in `met`, those first whose centres rays of the octant pass last.
+/// Writes the rays of a list that meet child `c` from `to` on; where they end.
 #[inline(always)]
-fn far_to_near(node: &Node8, octant: [usize; 3], met: u8) -> ArrayVec<usize, 8> {
+fn gather(all: &mut [u16], masks: &[u64], first: usize, count: usize, c: usize, mut to: usize) -> usize {
+    for (block, masks) in masks[..count.div_ceil(8)].iter().enumerate() {
+        let mask = (masks >> (8 * c)) as u8;
+        let from = first + 8 * block;
+        let Some(&ids) = all[from..].first_chunk() else { break };
+        all[to..to + 8].copy_from_slice(&compress(ids, mask));
+        to += mask.count_ones() as usize;
+    }
+    to
+}
+
+/// Calls `f` with the children of a node in `met`, those first whose centres rays of the octant pass last.
+///
+/// Each child's place in the order is how many others come before it, which eight comparisons tell without a branch.
+#[inline(always)]
+fn far_to_near(node: &Node8, octant: [usize; 3], met: u8, mut f: impl FnMut(usize)) {
     let along = |planes: &Planes, axis: usize| {
         let twice_centre = planes[axis][0] + planes[axis][1];
         if octant[axis] == 0 { twice_centre } else { -twice_centre }
     };
-    let place = along(&node.planes, 0) + along(&node.planes, 1) + along(&node.planes, 2);
-    let place = place.as_array();
-    let mut order = ArrayVec::new();
+    let far = along(&node.planes, 0) + along(&node.planes, 1) + along(&node.planes, 2);
+    // A NaN (of absent children, or of boxes beyond all measure) would break the order.
+    let far = far.eq(far).select(far, F32x8::ZERO);
+    let mut order = [0_u8; 8];
     each(met, |c| {
-        let mut k = order.len();
-        order.push(c);
-        while k > 0 && place[order[k - 1]] < place[c] {
-            order[k] = order[k - 1];
-            k -= 1;
-        }
-        order[k] = c;
+        let at = F32x8::from(far.lane(c));
+        // Among equals the lower number comes first, so that no two share a place.
+        let earlier = far.gt(at).bits() | (far.eq(at).bits() & ((1_u16 << c) - 1) as u8);
+        order[(earlier & met).count_ones() as usize & 7] = c as u8;
     });
-    order
+    for &c in &order[..met.count_ones() as usize] {
+        f(usize::from(c));
+    }
 }

@@ -31,7 +31,7 @@ pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mu
 pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, stack: &mut Stack) -> u8 {
     let mut blocked = 0;
     each(lanes, |i| {
-        let met = occluded(tree, tree.root, &One::new(rays, i), rays.t_max.lane(i), stack);
+        let met = occluded(tree, tree.root, &One::new(rays, i), rays.way.t_max.lane(i), stack);
         blocked |= u8::from(met) << i;
     });
     blocked

@@ -1,21 +1,21 @@
 //! Which kernel takes which rays. All kernels give the same bits, so the choice is about speed alone.
 
-use arrayvec::ArrayVec;
-
+use super::beam::{Beam, Hull};
 use super::bvh8::{Bvh8, Child};
 use super::leaf::Best8;
-use super::rays::Eight;
+use super::rays::{Eight, Way8};
 use super::sphere8::Sphere8;
 use super::stack::Scratch;
+use super::traverse_batch::Batch;
 use super::traverse_single;
 use super::traverse_tile::{self, Group, TILE};
 use super::tri8::Tri8;
 use crate::accel::Coherence;
 use crate::geometry::{Hit8, Ray8};
-use crate::simd::Mask8;
+use crate::simd::{F32x8, Mask8};
 
 /// Packets whose scattered rays are gathered into one batch.
-const STRETCH: usize = 128;
+pub(super) const STRETCH: usize = 128;
 
 /// How rays are walked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,77 +30,112 @@ pub enum Kernel {
     Auto,
 }
 
+/// Rays of a packet that go the same way, or that do not.
+enum Share {
+    /// Together, as a beam; one that is wide has its rays looked at one by one, too.
+    Beam { lanes: u8, wide: bool },
+    /// Each for itself.
+    Apart(u8),
+}
+
 impl Kernel {
-    /// Some of `left`, at least one, that are to go together, or else which rays are not to. The caller's word on
-    /// coherence is checked, since a wide beam meets too much: only rays from one start are narrow enough. It lowers
-    /// the number that is enough.
+    /// Some of `left`, at least one. The caller's word on coherence is checked, since too wide a beam meets too much.
     #[inline(always)]
-    fn next(self, rays: &Eight, left: u8, coherence: Coherence) -> Result<u8, u8> {
+    fn next(self, way: &Way8, left: u8, coherence: Coherence) -> Share {
         match self {
-            Self::Single | Self::Batch => Err(left),
+            Self::Single | Self::Batch => Share::Apart(left),
             Self::Packet => {
-                let ahead = rays.ahead(left);
-                if ahead == 0 { Err(left) } else { Ok(rays.same_octant(ahead)) }
+                let ahead = way.ahead(left);
+                if ahead == 0 { Share::Apart(left) } else { Share::Beam { lanes: way.same_octant(ahead), wide: true } }
             }
             Self::Auto => {
                 let coherent = coherence == Coherence::Coherent;
-                // Within some 3 degrees, and 1.3.
-                let (enough, agreement) = if coherent { (4, 0.997) } else { (6, 0.9995) };
-                let lanes = rays.ahead(rays.same_way(rays.same_octant(left), agreement));
+                // Within some 13 degrees, and 15.
+                let (enough, agreement) = if coherent { (4, 0.95) } else { (6, 0.93) };
+                let of_octant = way.same_octant(left);
+                if !coherent && of_octant.count_ones() < enough {
+                    return Share::Apart(left);
+                }
+                let (close, together) = way.same_way(of_octant, agreement);
+                let lanes = way.ahead(close);
                 if lanes.count_ones() >= enough {
-                    Ok(lanes)
+                    Share::Beam { lanes, wide: together & lanes != lanes }
                 } else {
-                    // Where a ray is the only one of its start, none of the others is expected to have company.
-                    Err(if coherent && lanes.count_ones() > 1 { lanes } else { left })
+                    Share::Apart(if coherent && lanes.count_ones() > 1 { lanes } else { left })
                 }
             }
         }
     }
 }
 
+/// What is known of a tile before its packets are looked at.
+#[derive(Clone, Copy)]
+enum Survey {
+    /// Its rays meet nothing.
+    Misses,
+    /// They all go together.
+    Narrow { wide: bool },
+    /// Nothing.
+    Mixed,
+}
+
 /// Up to eight packets made ready, and those of their rays that go together.
-struct Tile {
-    rays: ArrayVec<Eight, TILE>,
-    /// Of each packet, the rays that go alone.
-    alone: ArrayVec<u8, TILE>,
-    groups: ArrayVec<Group, { TILE * 8 }>,
+#[derive(Debug)]
+pub(super) struct Tile {
+    rays: Box<[Eight; TILE]>,
+    best: Box<[Best8; TILE]>,
+    groups: Vec<Group>,
+}
+
+impl Default for Tile {
+    fn default() -> Self {
+        let best = Best8::new(F32x8::ZERO);
+        Self { rays: Box::default(), best: Box::new([best; TILE]), groups: Vec::with_capacity(8 * TILE) }
+    }
 }
 
 impl Tile {
+    /// Takes in the rays of packet `i` that go together and may meet something in `trees`; which rays do not.
     #[inline(always)]
-    fn new(kernel: Kernel, rays: &[Ray8], coherence: Coherence) -> Self {
-        let mut tile = Self { rays: ArrayVec::new(), alone: ArrayVec::new(), groups: ArrayVec::new() };
-        for (i, rays) in rays.iter().enumerate() {
-            tile.rays.push(Eight::new(rays));
-            let rays = &tile.rays[i];
-            let (mut left, mut apart) = (rays.lanes, 0);
-            while left != 0 {
-                left &= !match kernel.next(rays, left, coherence) {
-                    Ok(lanes) => {
-                        tile.groups.push(Group::new(rays, i, lanes));
-                        lanes
+    fn take(&mut self, trees: &Trees, survey: Survey, next: impl Fn(&Way8, u8) -> Share, i: usize, way: &Way8) -> u8 {
+        let (mut left, mut apart) = (way.lanes, 0);
+        let before = self.groups.len();
+        while left != 0 {
+            let share = match survey {
+                Survey::Narrow { wide } => Share::Beam { lanes: left, wide },
+                _ => next(way, left),
+            };
+            match share {
+                Share::Beam { lanes, wide } => {
+                    left &= !lanes;
+                    let group = Group::new(way, i, lanes, wide);
+                    if group.reaches(trees.triangles) || group.reaches(trees.spheres) {
+                        self.groups.push(group);
                     }
-                    Err(lanes) => {
-                        apart |= lanes;
-                        lanes
-                    }
-                };
+                }
+                Share::Apart(lanes) => {
+                    left &= !lanes;
+                    apart |= lanes;
+                }
             }
-            tile.alone.push(apart);
         }
-        tile
+        if self.groups.len() > before {
+            self.rays[i] = Eight::new(way);
+            self.best[i] = Best8::new(way.t_max);
+        }
+        apart
     }
 
     /// Calls `go` with the groups, at most eight of one octant at a time.
     #[inline(always)]
-    fn by_octant(&mut self, mut go: impl FnMut(&mut [Group], &[Eight])) {
-        let Self { rays, groups, .. } = self;
+    fn by_octant(&mut self, mut go: impl FnMut(&mut [Group], &[Eight; TILE], &mut [Best8; TILE])) {
+        let Self { rays, best, groups } = self;
         if groups.windows(2).any(|two| two[0].octant != two[1].octant) {
             groups.sort_unstable_by_key(|g| g.octant);
         }
         for of_octant in groups.chunk_by_mut(|a, b| a.octant == b.octant) {
             for at_most_eight in of_octant.chunks_mut(TILE) {
-                go(at_most_eight, rays);
+                go(at_most_eight, rays, best);
             }
         }
     }
@@ -113,6 +148,35 @@ pub(super) struct Trees<'a> {
 }
 
 impl Trees<'_> {
+    #[inline(always)]
+    fn any_sphere(&self) -> bool {
+        self.spheres.root != Child::NONE
+    }
+
+    /// What one beam around all rays of a tile tells of them.
+    #[inline(always)]
+    fn survey(&self, kernel: Kernel, packets: &[Ray8]) -> Survey {
+        let hull = if kernel == Kernel::Auto { Beam::around(packets) } else { None };
+        let Some(Hull { beam, octant, narrow, one_start }) = hull else { return Survey::Mixed };
+        if !beam.reaches(self.triangles, octant) && !beam.reaches(self.spheres, octant) {
+            Survey::Misses
+        } else if narrow {
+            Survey::Narrow { wide: !one_start }
+        } else {
+            Survey::Mixed
+        }
+    }
+
+    /// Takes those of `lanes` that may meet something into the batch.
+    #[inline(always)]
+    fn gather(&self, batch: &mut Batch, way: &Way8, packet: usize, lanes: u8) {
+        let mut reached = lanes & way.reach(self.triangles);
+        if self.any_sphere() {
+            reached |= lanes & way.reach(self.spheres);
+        }
+        batch.push(way, packet, reached);
+    }
+
     /// The nearest hits, written into the active lanes of `hits`.
     pub fn closest(
         &self,
@@ -122,41 +186,54 @@ impl Trees<'_> {
         coherence: Coherence,
         scratch: &mut Scratch,
     ) {
-        let spheres = self.spheres.root != Child::NONE;
-        let Scratch { single, tile: stack, batch, best, .. } = scratch;
+        let Scratch { single, stack, batch, tile } = scratch;
         for (rays, hits) in rays.chunks(STRETCH).zip(hits.chunks_mut(STRETCH)) {
-            best.clear();
-            for packets in rays.chunks(TILE) {
-                let first = best.len();
-                let mut tile = Tile::new(kernel, packets, coherence);
-                best.extend(tile.rays.iter().map(|rays| Best8::new(rays.t_max)));
-                let best = &mut best[first..];
-                for (i, (rays, &lanes)) in tile.rays.iter().zip(&tile.alone).enumerate() {
-                    if kernel == Kernel::Single {
-                        if spheres {
-                            traverse_single::closest_each(self.spheres, rays, lanes, &mut best[i], single);
-                        }
-                        traverse_single::closest_each(self.triangles, rays, lanes, &mut best[i], single);
+            for (k, (packets, hits)) in rays.chunks(TILE).zip(hits.chunks_mut(TILE)).enumerate() {
+                tile.groups.clear();
+                for (rays, hit) in packets.iter().zip(&mut *hits) {
+                    if rays.active == u8::MAX {
+                        *hit = Hit8::default();
                     } else {
-                        batch.push(rays, first + i, lanes);
+                        Best8::new(F32x8::ZERO).write(rays.active, hit);
                     }
                 }
-                tile.by_octant(|groups, rays| {
-                    if spheres {
+                let survey = self.survey(kernel, packets);
+                if matches!(survey, Survey::Misses) {
+                    continue;
+                }
+                for (i, (rays, hit)) in packets.iter().zip(&mut *hits).enumerate() {
+                    let way = Way8::new(rays);
+                    let apart = tile.take(self, survey, |way, left| kernel.next(way, left, coherence), i, &way);
+                    if apart == 0 {
+                        continue;
+                    }
+                    if kernel == Kernel::Single {
+                        let (eight, mut best) = (Eight::new(&way), Best8::new(way.t_max));
+                        if self.any_sphere() {
+                            traverse_single::closest_each(self.spheres, &eight, apart, &mut best, single);
+                        }
+                        traverse_single::closest_each(self.triangles, &eight, apart, &mut best, single);
+                        best.write(apart, hit);
+                    } else {
+                        self.gather(batch, &way, k * TILE + i, apart);
+                    }
+                }
+                tile.by_octant(|groups, rays, best| {
+                    if self.any_sphere() {
                         traverse_tile::closest(self.spheres, groups, rays, best, stack);
                     }
                     traverse_tile::closest(self.triangles, groups, rays, best, stack);
+                    for group in groups {
+                        best[group.packet].write(group.lanes, &mut hits[group.packet]);
+                    }
                 });
             }
             if !batch.is_empty() {
-                if spheres {
+                if self.any_sphere() {
                     batch.closest(self.spheres, single);
                 }
                 batch.closest(self.triangles, single);
-                batch.finish(best);
-            }
-            for ((rays, hits), best) in rays.iter().zip(hits).zip(best.iter()) {
-                best.write(rays.active, hits);
+                batch.finish(hits);
             }
         }
     }
@@ -170,47 +247,50 @@ impl Trees<'_> {
         coherence: Coherence,
         scratch: &mut Scratch,
     ) {
-        let spheres = self.spheres.root != Child::NONE;
-        let Scratch { single, tile: stack, batch, blocked: found, .. } = scratch;
+        let Scratch { single, stack, batch, tile } = scratch;
         for (rays, blocked) in rays.chunks(STRETCH).zip(blocked.chunks_mut(STRETCH)) {
-            found.clear();
-            found.resize(rays.len(), 0);
+            let mut found = [0_u8; STRETCH];
             for (k, packets) in rays.chunks(TILE).enumerate() {
-                let found = &mut found[k * TILE..];
-                let mut tile = Tile::new(kernel, packets, coherence);
-                for (i, (rays, &lanes)) in tile.rays.iter().zip(&tile.alone).enumerate() {
+                let survey = self.survey(kernel, packets);
+                if matches!(survey, Survey::Misses) {
+                    continue;
+                }
+                tile.groups.clear();
+                for (i, rays) in packets.iter().enumerate() {
+                    let way = Way8::new(rays);
+                    let apart = tile.take(self, survey, |way, left| kernel.next(way, left, coherence), i, &way);
+                    if apart == 0 {
+                        continue;
+                    }
                     if kernel == Kernel::Single {
-                        if spheres {
-                            found[i] = traverse_single::occluded_each(self.spheres, rays, lanes, single);
+                        let eight = Eight::new(&way);
+                        let met = &mut found[k * TILE + i];
+                        if self.any_sphere() {
+                            *met = traverse_single::occluded_each(self.spheres, &eight, apart, single);
                         }
-                        let left = lanes & !found[i];
-                        found[i] |= traverse_single::occluded_each(self.triangles, rays, left, single);
+                        *met |= traverse_single::occluded_each(self.triangles, &eight, apart & !*met, single);
                     } else {
-                        batch.push(rays, k * TILE + i, lanes);
+                        self.gather(batch, &way, k * TILE + i, apart);
                     }
                 }
-                tile.by_octant(|groups, rays| {
-                    let mut before = [0; TILE];
-                    for (before, group) in before.iter_mut().zip(&*groups) {
-                        *before = group.lanes;
+                tile.by_octant(|groups, rays, best| {
+                    if self.any_sphere() {
+                        traverse_tile::occluded(self.spheres, groups, rays, best, stack);
                     }
-                    if spheres {
-                        traverse_tile::occluded(self.spheres, groups, rays, stack);
-                    }
-                    traverse_tile::occluded(self.triangles, groups, rays, stack);
-                    for (before, group) in before.iter().zip(groups) {
-                        found[group.packet] |= before & !group.lanes;
+                    traverse_tile::occluded(self.triangles, groups, rays, best, stack);
+                    for group in groups {
+                        found[k * TILE + group.packet] |= group.blocked;
                     }
                 });
             }
             if !batch.is_empty() {
-                if spheres {
+                if self.any_sphere() {
                     batch.occluded(self.spheres, single);
                 }
                 batch.occluded(self.triangles, single);
-                batch.finish_blocked(found);
+                batch.finish_blocked(&mut found);
             }
-            for (blocked, &found) in blocked.iter_mut().zip(found.iter()) {
+            for (blocked, &found) in blocked.iter_mut().zip(&found) {
                 *blocked = Mask8::from_bits(found);
             }
         }

@@ -3,11 +3,11 @@
 use super::beam::{Beam, greatest};
 use super::bits::transpose;
 use super::bvh8::{Bvh8, Child};
-use super::leaf::{Best8, Leaf};
-use super::rays::{Eight, each};
+use super::leaf::{Best8, Leaf, Towards};
+use super::rays::{Eight, Way8, each};
 use super::stack::{Entry, Stack, nearest_last};
 use crate::math::Real;
-use crate::simd::{F32x8, Mask8};
+use crate::simd::{F32x8, Mask8, prefetch};
 
 /// Packets of a tile.
 pub(super) const TILE: usize = 8;
@@ -19,6 +19,10 @@ pub(super) struct Group {
     pub packet: usize,
     /// Which of its rays; they leave once they are blocked.
     pub lanes: u8,
+    /// Those that have left.
+    pub blocked: u8,
+    /// Whether it is so wide that its rays are looked at one by one in the boxes that it meets.
+    wide: bool,
     /// For each axis, 1 where they run backwards along it.
     pub octant: [usize; 3],
     beam: Beam,
@@ -27,9 +31,15 @@ pub(super) struct Group {
 impl Group {
     /// The rays in `lanes`, which share an octant and of which none begins below zero.
     #[inline(always)]
-    pub fn new(rays: &Eight, packet: usize, lanes: u8) -> Self {
-        let octant = rays.octant(lanes.trailing_zeros() as usize & 7);
-        Self { packet, lanes, octant, beam: Beam::new(rays, lanes, octant) }
+    pub fn new(way: &Way8, packet: usize, lanes: u8, wide: bool) -> Self {
+        let octant = way.octant(lanes.trailing_zeros() as usize & 7);
+        Self { packet, lanes, blocked: 0, wide, octant, beam: Beam::new(way, lanes, octant) }
+    }
+
+    /// Whether anything in a tree may be met.
+    #[inline(always)]
+    pub fn reaches<L>(&self, tree: &Bvh8<L>) -> bool {
+        self.beam.reaches(tree, self.octant)
     }
 
     #[inline(always)]
@@ -48,60 +58,40 @@ pub(super) fn closest<L: Leaf>(
     best: &mut [Best8],
     stack: &mut Stack,
 ) {
-    for group in groups.iter_mut() {
-        group.limit(best[group.packet].t);
-    }
-    let live = all(groups.len());
-    walk::<L, true>(tree, groups, live, stack, |leaf, group| {
-        let (slots, _) = group.beam.meet(&leaf.1, group.octant);
-        if slots != 0 {
-            let best = &mut best[group.packet];
-            leaf.0.closest_eight(&rays[group.packet], group.lanes, slots, best);
-            group.limit(best.t);
-        }
-        true
-    });
+    walk::<L, true>(tree, groups, rays, best, stack);
 }
 
-/// Takes the rays that meet anything out of at most eight groups that share an octant.
+/// Takes the rays that meet anything out of at most eight groups that share an octant; `best` holds their limits.
 #[inline(never)]
-pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, groups: &mut [Group], rays: &[Eight], stack: &mut Stack) {
-    let mut live = 0;
-    for (i, group) in groups.iter_mut().enumerate() {
-        group.limit(rays[group.packet].t_max);
-        live |= u8::from(group.lanes != 0) << i;
-    }
-    walk::<L, false>(tree, groups, live, stack, |leaf, group| {
-        let (slots, _) = group.beam.meet(&leaf.1, group.octant);
-        if slots != 0 {
-            let rays = &rays[group.packet];
-            let blocked = leaf.0.occluded_eight(rays, group.lanes, slots, rays.t_max);
-            if blocked != 0 {
-                group.lanes &= !blocked;
-                group.limit(rays.t_max);
-            }
-        }
-        group.lanes != 0
-    });
-}
-
-/// The lowest `n` bits.
-#[inline(always)]
-fn all(n: usize) -> u8 {
-    ((1_u32 << n) - 1) as u8
-}
-
-/// Visits leaves with each group whose beam meets their boxes, near ones first where `SORTED`, until `visit` has said
-/// of every group that it is done.
-#[inline(always)]
-fn walk<L: Leaf, const SORTED: bool>(
+pub(super) fn occluded<L: Leaf>(
     tree: &Bvh8<L>,
     groups: &mut [Group],
-    mut live: u8,
+    rays: &[Eight],
+    best: &mut [Best8],
     stack: &mut Stack,
-    mut visit: impl FnMut((&L, super::bvh8::Planes), &mut Group) -> bool,
 ) {
-    if tree.root == Child::NONE || live == 0 {
+    walk::<L, false>(tree, groups, rays, best, stack);
+}
+
+/// Visits leaves with each group whose beam meets their boxes; near ones first where the `NEAREST` hit is wanted, else
+/// until there is any hit for all rays.
+#[inline(always)]
+fn walk<L: Leaf, const NEAREST: bool>(
+    tree: &Bvh8<L>,
+    groups: &mut [Group],
+    rays: &[Eight],
+    best: &mut [Best8],
+    stack: &mut Stack,
+) {
+    if tree.root == Child::NONE {
+        return;
+    }
+    let mut live = 0;
+    for (i, group) in groups.iter_mut().enumerate() {
+        group.limit(best[group.packet].t);
+        live |= u8::from(group.lanes != 0) << i;
+    }
+    if live == 0 {
         return;
     }
     let octant = groups[0].octant;
@@ -112,21 +102,40 @@ fn walk<L: Leaf, const SORTED: bool>(
         top -= 1;
         let Entry { enter, child, lanes } = stack[top];
         let met = lanes & live;
-        if met == 0 || (SORTED && enter > farthest) {
+        if met == 0 || (NEAREST && enter > farthest) {
             continue;
+        }
+        if top > 0 {
+            fetch(tree, stack[top - 1].child);
         }
         if child.is_leaf() {
             let leaf = &tree.leaves[child.index()];
             let boxes = leaf.boxes();
             each(met, |g| {
-                if !visit((leaf, boxes), &mut groups[g]) {
-                    live &= !(1 << g);
+                let group = &mut groups[g];
+                let (slots, _) = group.beam.meet(&boxes, octant);
+                if slots == 0 {
+                    return;
+                }
+                let (rays, best) = (&rays[group.packet], &mut best[group.packet]);
+                let to = Towards { lanes: group.lanes, octant, boxes: &boxes };
+                if NEAREST {
+                    leaf.closest_eight(rays, &to, slots, best);
+                    group.limit(best.t);
+                } else {
+                    let blocked = leaf.occluded_eight(rays, &to, slots, best.t);
+                    if blocked != 0 {
+                        group.lanes &= !blocked;
+                        group.blocked |= blocked;
+                        group.limit(best.t);
+                        live &= !(u8::from(group.lanes == 0) << g);
+                    }
                 }
             });
             if live == 0 {
                 return;
             }
-            if SORTED {
+            if NEAREST {
                 farthest = farthest_of(groups);
             }
             continue;
@@ -136,10 +145,15 @@ fn walk<L: Leaf, const SORTED: bool>(
         let mut enter = F32x8::INFINITY;
         let mut boxes = 0;
         each(met, |g| {
-            let (meets, at) = groups[g].beam.meet(&node.planes, octant);
+            let group = &groups[g];
+            let (mut meets, at) = group.beam.meet(&node.planes, octant);
+            if group.wide {
+                let t_max = best[group.packet].t;
+                meets = rays[group.packet].way.sift(group.lanes, t_max, octant, &node.planes, meets);
+            }
             masks |= u64::from(meets) << (8 * g);
             boxes |= meets;
-            if SORTED {
+            if NEAREST {
                 enter = at.min_or(enter);
             }
         });
@@ -149,13 +163,23 @@ fn walk<L: Leaf, const SORTED: bool>(
         let by_child = transpose(masks);
         let base = top;
         each(boxes, |c| {
-            let enter = if SORTED { enter.lane(c) } else { 0.0 };
+            let enter = if NEAREST { enter.lane(c) } else { 0.0 };
             stack[top] = Entry { enter, child: node.children[c], lanes: (by_child >> (8 * c)) as u8 };
             top += 1;
         });
-        if SORTED && top - base > 1 {
+        if NEAREST && top - base > 1 {
             nearest_last(&mut stack[base..top]);
         }
+    }
+}
+
+/// Asks for what will be visited after next.
+#[inline(always)]
+pub(super) fn fetch<L>(tree: &Bvh8<L>, child: Child) {
+    if child.is_leaf() {
+        prefetch(&tree.leaves[child.index()]);
+    } else {
+        prefetch(&tree.nodes[child.index()]);
     }
 }
 

@@ -1,9 +1,8 @@
 //! Leaves of triangles: eight of them for one ray, or each of them for eight rays.
 
 use super::bvh8::Planes;
-use super::leaf::{Best, Best8, Leaf, Tags};
+use super::leaf::{Best, Best8, Leaf, Tags, Towards};
 use super::rays::{Eight, One, TURNED};
-use crate::geometry::slab::SlabRay;
 use crate::geometry::triangle::{Edges, ShearedRay, Solution, grown_box};
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8, Vec3x8};
@@ -28,13 +27,12 @@ struct Met {
 }
 
 /// The eight-lane form of [`crate::geometry::triangle::intersect`], for lanes of `admitted`: corners as `turned` for
-/// the ray, and as they are; the rays' intervals are `t_min` and `t_max`.
+/// the ray; `limit` keeps `t` within the triangle's box; the rays' intervals are `t_min` and `t_max`.
 #[inline(always)]
 fn intersect(
     ray: &ShearedRay<F32x8>,
-    slab: &SlabRay<F32x8>,
     turned: &[Vec3x8; 3],
-    plain: impl FnOnce() -> [Vec3x8; 3],
+    limit: impl FnOnce(F32x8) -> (F32x8, Mask8),
     (t_min, t_max): (F32x8, F32x8),
     admitted: impl FnOnce() -> u8,
 ) -> Option<Met> {
@@ -53,7 +51,7 @@ fn intersect(
     if doubtful != 0 {
         lanes &= !settle(&edges, &mut solved, ray, doubtful);
     }
-    let (t, crossed) = slab.limit_to_triangle(&plain(), solved.t);
+    let (t, crossed) = limit(solved.t);
     let lanes = Mask8::from_bits(lanes) & crossed & t_min.lt(t) & t.le(t_max);
     lanes.any().then_some(Met { lanes, t, u: solved.u, v: solved.v })
 }
@@ -110,45 +108,65 @@ impl Tri8 {
         let [x, y, z] = ray.axes;
         let [a, b, c] = &self.corners;
         let turned = [Vec3x8::new(a[x], a[y], a[z]), Vec3x8::new(b[x], b[y], b[z]), Vec3x8::new(c[x], c[y], c[z])];
-        let plain = || [Vec3x8::new(a[0], a[1], a[2]), Vec3x8::new(b[0], b[1], b[2]), Vec3x8::new(c[0], c[1], c[2])];
+        let limit = |t: F32x8| {
+            let plain = [Vec3x8::new(a[0], a[1], a[2]), Vec3x8::new(b[0], b[1], b[2]), Vec3x8::new(c[0], c[1], c[2])];
+            let (lo, hi) = grown_box(&plain);
+            let planes = [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]];
+            let near = |axis: usize| planes[axis][ray.octant[axis] & 1];
+            let far = |axis: usize| planes[axis][(ray.octant[axis] & 1) ^ 1];
+            let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
+            ray.slab.limit_sorted(near, far, t)
+        };
         let interval = (ray.t_min, F32x8::from(t_max));
-        intersect(&ray.sheared, &ray.slab, &turned, plain, interval, || self.tags.admitted(ray.admits))
+        intersect(&ray.sheared, &turned, limit, interval, || self.tags.admitted(ray.admits))
     }
 
-    /// Calls `found` with the hits of `lanes` with each triangle in `slots` that the rays look for.
+    /// Calls `found` with the hits with each triangle in `slots` that the rays look for; it gives the new limits.
     #[inline(always)]
-    fn meet_eight(
+    fn meet_eight(&self, rays: &Eight, to: &Towards, slots: u8, found: impl FnMut(usize, Met) -> F32x8, t_max: F32x8) {
+        let slots = self.tags.admitted(rays.way.admits) & slots;
+        match rays.common_axis(to.lanes) {
+            Some(0) => self.meet_along::<0>(rays, to, slots, found, t_max),
+            Some(1) => self.meet_along::<1>(rays, to, slots, found, t_max),
+            Some(_) => self.meet_along::<2>(rays, to, slots, found, t_max),
+            None => self.meet_along::<3>(rays, to, slots, found, t_max),
+        }
+    }
+
+    /// The same for rays whose longest axis is `LAST`, or whose axes differ if it is 3.
+    #[inline(always)]
+    fn meet_along<const LAST: usize>(
         &self,
         rays: &Eight,
-        lanes: u8,
-        slots: u8,
-        mut found: impl FnMut(usize, F32x8, Option<Met>) -> F32x8,
-        t_max: F32x8,
+        to: &Towards,
+        mut slots: u8,
+        mut found: impl FnMut(usize, Met) -> F32x8,
+        mut t_max: F32x8,
     ) {
-        let mut t_max = t_max;
-        let mut slots = self.tags.admitted(rays.admits) & slots;
-        let common = rays.common_axis(lanes);
         while slots != 0 {
             let i = slots.trailing_zeros() as usize & 7;
             slots &= slots - 1;
             let at = |k: usize, axis: usize| F32x8::from(self.corners[k][axis].lane(i));
-            let plain = || {
-                let corner = |k: usize| Vec3x8::new(at(k, 0), at(k, 1), at(k, 2));
-                [corner(0), corner(1), corner(2)]
-            };
-            let turned = match common {
-                Some(last) => {
-                    let [x, y, z] = TURNED[last];
-                    let corner = |k: usize| Vec3x8::new(at(k, x), at(k, y), at(k, z));
-                    [corner(0), corner(1), corner(2)]
-                }
-                None => {
-                    let [a, b, c] = plain();
-                    [rays.axis.turn(a), rays.axis.turn(b), rays.axis.turn(c)]
+            let corner = |k: usize| {
+                if LAST < 3 {
+                    let [x, y, z] = TURNED[LAST];
+                    Vec3x8::new(at(k, x), at(k, y), at(k, z))
+                } else {
+                    rays.axis.turn(Vec3x8::new(at(k, 0), at(k, 1), at(k, 2)))
                 }
             };
-            let met = intersect(&rays.sheared, &rays.slab, &turned, plain, (rays.t_min, t_max), || lanes);
-            t_max = found(i, t_max, met);
+            let turned = [corner(0), corner(1), corner(2)];
+            // The rays share an octant, so that which plane is near needs no choice by lane.
+            let limit = |t: F32x8| {
+                let near = |axis: usize| F32x8::from(to.boxes[axis][to.octant[axis] & 1].lane(i));
+                let far = |axis: usize| F32x8::from(to.boxes[axis][(to.octant[axis] & 1) ^ 1].lane(i));
+                let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
+                rays.way.slab.limit_sorted(near, far, t)
+            };
+            let met = intersect(&rays.sheared, &turned, limit, (rays.way.t_min, t_max), || to.lanes);
+            if let Some(met) = met {
+                t_max = found(i, met);
+            }
         }
     }
 }
@@ -173,28 +191,24 @@ impl Leaf for Tri8 {
     }
 
     #[inline(always)]
-    fn closest_eight(&self, rays: &Eight, lanes: u8, slots: u8, best: &mut Best8) {
+    fn closest_eight(&self, rays: &Eight, to: &Towards, slots: u8, best: &mut Best8) {
         let t_max = best.t;
         let tags = &self.tags;
-        let found = |i: usize, _, met: Option<Met>| {
-            if let Some(met) = met {
-                best.take(met.lanes, met.t, met.u, met.v, tags.geometry[i], tags.primitive[i]);
-            }
+        let found = |i: usize, met: Met| {
+            best.take(met.lanes, met.t, met.u, met.v, tags.geometry[i], tags.primitive[i]);
             best.t
         };
-        self.meet_eight(rays, lanes, slots, found, t_max);
+        self.meet_eight(rays, to, slots, found, t_max);
     }
 
     #[inline(always)]
-    fn occluded_eight(&self, rays: &Eight, lanes: u8, slots: u8, t_max: F32x8) -> u8 {
+    fn occluded_eight(&self, rays: &Eight, to: &Towards, slots: u8, t_max: F32x8) -> u8 {
         let mut blocked = 0;
-        let found = |_, t_max, met: Option<Met>| {
-            if let Some(met) = met {
-                blocked |= met.lanes.bits();
-            }
+        let found = |_, met: Met| {
+            blocked |= met.lanes.bits();
             t_max
         };
-        self.meet_eight(rays, lanes, slots, found, t_max);
+        self.meet_eight(rays, to, slots, found, t_max);
         blocked
     }
 
