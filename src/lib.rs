@@ -32,6 +32,7 @@
 
 pub mod accel;
 pub mod cli;
+pub mod effects;
 pub mod error;
 pub mod geometry;
 pub mod image;

@@ -11,12 +11,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("optics", &["simd", "math"]),
     ("accel", &["geometry", "simd", "math"]),
     ("scene", &["geometry", "math"]),
+    ("effects", &["scene", "geometry"]),
     ("image", &[]),
     ("load", &["scene", "geometry", "image", "optics", "math"]),
-    ("render", &["scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("trial", &["render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("render", &["effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("study", &["trial", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("cli", &["study", "trial", "load", "render", "accel", "image", "scene", "optics", "simd"]),
+    ("cli", &["study", "trial", "load", "render", "effects", "accel", "image", "scene", "optics", "simd"]),
 ];
 
 fn rust_files(dir: &Path, out: &mut Vec<PathBuf>) {

@@ -1,5 +1,7 @@
 //! What may be typed, and the help for it. Values are checked one by one here, against each other in [`super::options`].
 
+mod effects;
+mod explain;
 mod formulas;
 mod price;
 
@@ -9,6 +11,8 @@ use std::sync::LazyLock;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::simd::level;
+pub(super) use effects::EffectArgs;
+pub(super) use explain::ExplainArgs;
 pub(super) use formulas::{FormulasArgs, KindArg};
 pub(super) use price::PriceArgs;
 
@@ -34,6 +38,7 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArgs),
+    Explain(ExplainArgs),
     Compare(CompareArgs),
     Parity(ParityArgs),
     Verify(VerifyArgs),
@@ -49,6 +54,7 @@ pub(super) enum Command {
   vitrum render bunny.obj --width 800 --height 600 --samples 3
   vitrum render scenes/glass.toml -o glass.exr --depth 40 --cutoff 0
   vitrum render scenes/glass.toml -o reference.exr --backend reference
+  vitrum render scenes/glass.toml -o plain.png --no-fresnel-split
   vitrum render scenes/glass.toml --quiet --json > summary.json
 
 The same command gives the same bytes for any number of threads and any tile size.
@@ -104,6 +110,9 @@ pub(super) struct RenderArgs {
     /// What transparent surfaces do to shadows [default: as the scene says]
     #[arg(long, value_enum, help_heading = "Light")]
     pub shadows: Option<ShadowsArg>,
+
+    #[command(flatten)]
+    pub effects: EffectArgs,
 
     /// What traces the rays [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
@@ -395,7 +404,7 @@ pub(super) enum FresnelArg {
     Off,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum RefractionArg {
     /// Snell's law, stable at every index ratio
     Stable,

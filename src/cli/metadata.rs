@@ -28,6 +28,7 @@ pub(super) fn of(
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
     .into_iter()
+    .chain((!options.effects.without.is_empty()).then(|| ("vitrum:without", without_names(options))))
     .chain(library.map(|version| ("vitrum:library", version.to_owned())))
     .map(|(name, value)| (name.to_owned(), value))
     .collect()
@@ -40,6 +41,11 @@ pub(super) fn fresnel_name(model: FresnelModel) -> &'static str {
         FresnelModel::Schlick => "schlick",
         FresnelModel::Off => "off",
     }
+}
+
+/// The effects left out, with commas between.
+fn without_names(options: &Options) -> String {
+    options.effects.without.iter().map(|e| e.name()).collect::<Vec<_>>().join(",")
 }
 
 /// The name of a refraction formula, as the command line has it, with its constant where it has one.

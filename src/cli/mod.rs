@@ -5,6 +5,7 @@ mod backend;
 mod bench;
 mod compare;
 mod doctor;
+mod explain;
 mod formulas;
 mod interrupt;
 mod metadata;
@@ -59,6 +60,7 @@ pub fn main() -> ExitCode {
 fn run(cli: Cli) -> Result<Verdict> {
     match cli.command {
         Command::Render(args) => render::run(options::Render::try_from(args)?),
+        Command::Explain(args) => explain::run(&options::Explain::try_from(args)?),
         Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
         Command::Parity(args) => parity::run(&options::Parity::from(args)),
         Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),

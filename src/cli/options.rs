@@ -1,5 +1,7 @@
 //! The command line as types, checked as a whole: past this point there are no flags.
 
+mod effects;
+mod explain;
 mod formulas;
 
 use std::path::{Path, PathBuf};
@@ -9,12 +11,14 @@ use super::args::{
     RenderArgs, ShadowsArg, VerifyArgs,
 };
 use super::backend::Backend;
+use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Settings, ShadowRule};
 use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
+pub(super) use explain::Explain;
 pub(super) use formulas::Formulas;
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
@@ -94,6 +98,11 @@ impl TryFrom<RenderArgs> for Render {
     type Error = Error;
 
     fn try_from(args: RenderArgs) -> Result<Self> {
+        let effects = effects::effects(&args.effects)?;
+        let bent = (args.refraction != RefractionArg::Stable).then_some("--refraction");
+        effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
+        let straight = matches!(args.shadows, Some(ShadowsArg::Straight)).then_some("--shadows straight");
+        effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
         let backend = Backend::choose(args.backend)?;
         let name = match args.output {
             Some(name) => name,
@@ -138,6 +147,7 @@ impl TryFrom<RenderArgs> for Render {
                 },
                 refraction: args.refraction.into(),
                 oliveira: oliveira(args.refraction, args.oliveira)?,
+                effects,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },

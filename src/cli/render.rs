@@ -103,7 +103,7 @@ mod tests {
 
     use super::*;
     use crate::accel::BuildStats;
-    use crate::render::{Outcome, RayCounts};
+    use crate::render::{Outcome, RayCounts, StreamCounts};
 
     #[test]
     fn strict_lets_nothing_pass_that_was_dropped_clamped_or_left_unmatched() {
@@ -115,6 +115,7 @@ mod tests {
                 non_finite,
                 clamped,
                 unmatched_exits,
+                streams: StreamCounts::default(),
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

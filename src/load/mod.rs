@@ -23,6 +23,7 @@ pub use texture::picture;
 pub use transform::Transform;
 
 use std::path::{Path, PathBuf};
+pub(crate) use suggest::hint;
 
 use crate::scene::Scene;
 use crate::{Error, Result};

@@ -74,14 +74,16 @@ fn gather<const TEXTURED: bool, const SHINY: bool, const GLOWING: bool>(
             lit: false,
         };
         let mut glow = Vec3x8::splat(Vec3::ZERO);
-        let (mut blinn, mut shiny) = (0, 0);
+        let (mut blinn, mut shiny, mut glowing) = (0, 0, 0);
         for k in 0..8 {
             let material = &scene.materials[surface.material[k] as usize];
             let diffuse = colour::<TEXTURED>(scene, &material.diffuse, surface, k);
             base.diffuse.set_lane(k, diffuse);
             base.lit |= diffuse != Vec3::ZERO;
             if GLOWING {
-                glow.set_lane(k, material.emission + material.ambient * scene.ambient);
+                let sent = material.emission + material.ambient * scene.ambient;
+                glow.set_lane(k, sent);
+                glowing |= u8::from(sent != Vec3::ZERO) << k;
             }
             if let (true, Some(highlight)) = (SHINY, material.highlight) {
                 base.highlight.set_lane(k, highlight.colour);
@@ -94,7 +96,7 @@ fn gather<const TEXTURED: bool, const SHINY: bool, const GLOWING: bool>(
         (base.blinn, base.shiny) = (Mask8::from_bits(blinn), Mask8::from_bits(shiny));
         if GLOWING {
             let sent = glow.times(surface.base_weight);
-            shading.accumulator.add_radiance8(surface.base_lanes, &surface.pixel, &sent);
+            shading.accumulator.add_radiance8(surface.base_lanes & glowing, &surface.pixel, &sent);
         }
         bases.push(base);
     }

@@ -47,6 +47,7 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
     let light = &shading.scene.lights[light];
     let Some(source) = S::of(light) else { return };
     let intensity = Vec3x8::splat(light.intensity);
+    let casts = light.shadows;
     for (surface, base) in surfaces.iter().zip(bases) {
         if !base.lit {
             continue;
@@ -68,7 +69,7 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
         }
         let arriving = factor.map_or(intensity, |factor| intensity * factor);
         let sent = sent.times(arriving).times(surface.base_weight);
-        if !SHADOWS {
+        if !(SHADOWS && casts) {
             shading.accumulator.add_radiance8(lit, &surface.pixel, &sent);
             continue;
         }

@@ -31,11 +31,12 @@ mod tile;
 mod worker;
 
 pub use options::{Observer, Options};
-pub use outcome::{Outcome, RayCounts, RayKind};
+pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::accel::Intersector;
+use crate::effects::{self, EffectPlan};
 use crate::image::Film;
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -51,6 +52,8 @@ struct TileResult {
 
 /// Renders `scene` with `accel`, which was built from `scene.geometry`.
 ///
+/// Effects in `options.effects.without` are left out; the plan for the rest picks the stages.
+///
 /// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
 ///
 /// # Errors
@@ -58,8 +61,10 @@ struct TileResult {
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
+    let plan = EffectPlan::resolve(scene, &options.effects);
+    let scene = &*effects::without(scene, options.effects.without);
     let eye_media = eye::media_around(scene, accel);
-    let stages = Stages::of(scene, options);
+    let stages = Stages::of(scene, &plan.reach, &eye_media, options);
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
@@ -116,6 +121,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         non_finite: tally.non_finite,
         clamped: tally.clamped,
         unmatched_exits: tally.unmatched_exits,
+        streams: tally.streams,
     })
 }
 
@@ -131,8 +137,10 @@ pub fn recorded<I: Intersector>(
     observer: &Observer,
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
+    let plan = EffectPlan::resolve(scene, &options.effects);
+    let scene = &*effects::without(scene, options.effects.without);
     let eye_media = eye::media_around(scene, accel);
-    let stages = Stages::of(scene, options);
+    let stages = Stages::of(scene, &plan.reach, &eye_media, options);
     let mut worker = Worker::new(scene, accel, &stages, options, &eye_media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
@@ -147,6 +155,7 @@ struct Tally {
     non_finite: u64,
     clamped: u64,
     unmatched_exits: u64,
+    streams: StreamCounts,
 }
 
 impl Tally {
@@ -156,6 +165,7 @@ impl Tally {
             non_finite: worker.shading.accumulator.non_finite,
             clamped: worker.shading.accumulator.clamped,
             unmatched_exits: worker.shading.unmatched_exits,
+            streams: worker.shading.streams,
         }
     }
 
@@ -164,5 +174,6 @@ impl Tally {
         self.non_finite += o.non_finite;
         self.clamped += o.clamped;
         self.unmatched_exits += o.unmatched_exits;
+        self.streams.merge(&o.streams);
     }
 }

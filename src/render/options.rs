@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
+use crate::effects;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 
 /// Choices of one render. Threads and tiles do not change the picture.
@@ -13,6 +14,8 @@ pub struct Options {
     pub refraction: RefractionModel,
     /// The constant of [`RefractionModel::Oliveira`]; no other formula looks at it.
     pub oliveira: Oliveira,
+    /// Which effects are left out, and how stages are picked.
+    pub effects: effects::Options,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
     /// Edge of a square tile in pixels, at least 1.
@@ -25,6 +28,7 @@ impl Default for Options {
             fresnel: FresnelModel::Exact,
             refraction: RefractionModel::Stable,
             oliveira: Oliveira::GLASS,
+            effects: effects::Options::default(),
             threads: 0,
             tile: 32,
         }
@@ -41,6 +45,16 @@ pub struct Observer {
 }
 
 impl Options {
+    /// The formula that bends light: the one asked for, or none where refraction is left out.
+    #[must_use]
+    pub fn bending(&self) -> RefractionModel {
+        if self.effects.without.has(effects::Effect::Refraction) {
+            RefractionModel::StraightThrough
+        } else {
+            self.refraction
+        }
+    }
+
     /// The number of threads asked for, with 0 resolved to one a processor.
     #[must_use]
     pub fn thread_count(&self) -> usize {

@@ -18,6 +18,66 @@ pub struct Outcome {
     pub clamped: u64,
     /// Rays that left a medium they had never entered: open or inside-out surfaces.
     pub unmatched_exits: u64,
+    /// Streams that each stage worked on; none by the `f64` renderer, which has no stages.
+    pub streams: StreamCounts,
+}
+
+/// The stages of a render, for counting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Absorption.
+    Medium,
+    /// The environment.
+    Miss,
+    /// From hits to surfaces.
+    Gather,
+    /// Mirrors, traced or of the environment.
+    Mirror,
+    /// Metals.
+    Conductor,
+    /// Boundaries that refract.
+    Dielectric,
+    /// Thin panes.
+    Thin,
+    /// Clear coats.
+    Coated,
+    /// Covers with holes.
+    Alpha,
+    /// Emission, ambient and albedo.
+    Base,
+    /// Lights.
+    Light,
+    /// Shadow rays.
+    Shadow,
+    /// Shadow rays straight through transmissive surfaces.
+    Pass,
+}
+
+impl Stage {
+    /// How many there are.
+    pub const COUNT: usize = Self::Pass as usize + 1;
+}
+
+/// Streams by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StreamCounts([u64; Stage::COUNT]);
+
+impl StreamCounts {
+    /// Streams that a stage worked on.
+    #[must_use]
+    pub fn of(&self, stage: Stage) -> u64 {
+        self.0[stage as usize]
+    }
+
+    /// Counts one more.
+    pub(super) fn count(&mut self, stage: Stage) {
+        self.0[stage as usize] += 1;
+    }
+
+    /// Adds another count to this one.
+    pub(super) fn merge(&mut self, o: &Self) {
+        self.0.iter_mut().zip(o.0).for_each(|(a, b)| *a += b);
+    }
 }
 
 /// What a ray was sent for.

@@ -2,9 +2,11 @@
 
 use super::accumulate::Accumulator;
 use super::media::{MediaTable, StackId};
-use super::outcome::{RayCounts, RayKind};
+use super::options::Options;
+use super::outcome::{RayCounts, RayKind, StreamCounts};
 use super::queue::{Queue, Rgb8, Spawn8};
 use super::surface::Surface8;
+use crate::effects::Effect;
 use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{Oliveira, transmittance};
@@ -27,6 +29,9 @@ pub struct Shading<'a> {
     pub accumulator: Accumulator,
     pub counts: RayCounts,
     pub unmatched_exits: u64,
+    pub streams: StreamCounts,
+    /// Whether light ends where it would be reflected totally.
+    pub total_is_lost: bool,
     /// By depth; reflected and transmitted rays apart, since they part ways.
     queues: Vec<[Queue; 2]>,
     pub shadows: Queue,
@@ -34,17 +39,19 @@ pub struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     /// Nothing summed and nothing queued.
-    pub fn new(scene: &'a Scene, oliveira: Oliveira, shadow_admits: GeometryMask) -> Self {
+    pub fn new(scene: &'a Scene, options: &Options, shadow_admits: GeometryMask) -> Self {
         Self {
             scene,
             media: MediaTable::new(&scene.media),
-            oliveira,
+            oliveira: options.oliveira,
             shadow_admits,
             max_depth: scene.settings.max_depth as usize,
             cutoff: scene.settings.cutoff,
             accumulator: Accumulator::default(),
             counts: RayCounts::default(),
             unmatched_exits: 0,
+            streams: StreamCounts::default(),
+            total_is_lost: options.effects.without.has(Effect::TotalInternalReflection),
             queues: Vec::new(),
             shadows: Queue::default(),
         }

@@ -1,7 +1,7 @@
 //! Light on its way to a surface: what is in between.
 
 use super::lamp::before_lamp;
-use super::outcome::RayKind;
+use super::outcome::{RayKind, Stage};
 use super::queue::Chunk;
 use super::split::lane_bits;
 use super::stages::{March, STREAM};
@@ -20,6 +20,7 @@ impl<I: Intersector> Worker<'_, I> {
         let mut chunk = std::mem::take(&mut self.shadow_chunk);
         chunk.clear();
         self.shading.shadows.take(usize::MAX, &mut chunk);
+        self.shading.streams.count(Stage::Shadow);
         self.shading.counts.add(RayKind::Shadow, depth, chunk.len());
 
         let mut blocked = std::mem::take(&mut self.blocked);
@@ -90,6 +91,7 @@ impl<I: Intersector> Worker<'_, I> {
             let done = refs.is_empty() || step == MOST_PASSES;
             if !done {
                 for stream in refs.chunks(STREAM) {
+                    self.shading.streams.count(Stage::Pass);
                     (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.surfaces);
                     (stages.pass)(&mut self.shading, chunk, &hits, stream, &self.surfaces);
                 }

@@ -23,6 +23,9 @@ pub struct Gradient;
 /// A picture.
 pub struct LatLong;
 
+/// Whatever the scene has.
+pub struct Any;
+
 impl Sky for Constant {
     #[inline(always)]
     fn radiance(environment: &Environment, _: &[Texture], _: &Vec3x8) -> Rgb8 {
@@ -58,21 +61,41 @@ impl Sky for LatLong {
     }
 }
 
+impl Sky for Any {
+    #[inline(always)]
+    fn radiance(environment: &Environment, textures: &[Texture], dir: &Vec3x8) -> Rgb8 {
+        match environment {
+            Environment::Constant(_) => Constant::radiance(environment, textures, dir),
+            Environment::Gradient { .. } => Gradient::radiance(environment, textures, dir),
+            Environment::LatLong { .. } => LatLong::radiance(environment, textures, dir),
+        }
+    }
+}
+
 /// Adds what the rays of a chunk see that met nothing.
 pub type MissStage = fn(&mut Shading, &Chunk, &[HitRef]);
 
-/// The stage for an environment.
+/// The stage for an environment; none where it is black.
 #[must_use]
-pub fn pick(environment: &Environment) -> MissStage {
-    match environment {
+pub fn pick(environment: &Environment) -> Option<MissStage> {
+    Some(match environment {
+        Environment::Constant(Rgb::ZERO) => return None,
         Environment::Constant(_) => missed::<Constant>,
         Environment::Gradient { .. } => missed::<Gradient>,
         Environment::LatLong { .. } => missed::<LatLong>,
-    }
+    })
+}
+
+/// The stage for every environment.
+pub fn pick_any() -> MissStage {
+    missed::<Any>
 }
 
 fn missed<S: Sky>(shading: &mut Shading, chunk: &Chunk, misses: &[HitRef]) {
     let scene = shading.scene;
+    if scene.environment == Environment::Constant(Rgb::ZERO) {
+        return;
+    }
     // Misses of one packet are neighbours in the list and are looked up together.
     for packet in misses.chunk_by(|a, b| a >> 3 == b >> 3) {
         let lanes = packet.iter().fold(0_u8, |lanes, miss| lanes | 1 << (miss & 7));

@@ -5,17 +5,19 @@
 //! no medium calls for is not in the functions that its streams go through.
 
 use super::base::{self, BaseStage};
-use super::class::{BINS, bin_has_base, bin_of, class_of};
+use super::class::{BINS, Class, bin_has_base, bin_of, class_of};
 use super::light::{self, LightStage};
 use super::medium::{self, MediumStage};
 use super::options::Options;
+use super::outcome::Stage;
 use super::sky::{self, MissStage};
 use super::split::{self, SplitStage};
 use super::surface::{self, GatherStage, Shapes};
 use super::through::{self, FinishStage, PassStage};
+use crate::effects::{Pipeline, Reach};
 use crate::geometry::GeometryMask;
 use crate::optics::RefractionModel;
-use crate::scene::{Colour, Light, Material, Rgb, Scene, ShadowRule};
+use crate::scene::{Colour, Interface, Material, Rgb, Scene, ShadowRule};
 
 /// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
 /// surfaces stay in the first-level cache.
@@ -28,8 +30,8 @@ pub struct Stages {
     pub refraction: RefractionModel,
     /// What media take; none where none takes anything.
     pub medium: Option<MediumStage>,
-    /// What rays see that meet nothing.
-    pub miss: MissStage,
+    /// What rays see that meet nothing; none where that is black.
+    pub miss: Option<MissStage>,
     /// By bin; none where no object has such a surface, or nothing comes of meeting one.
     pub bins: [Option<BinStages>; BINS],
     /// What stops a shadow ray at once.
@@ -44,7 +46,7 @@ pub struct BinStages {
     /// From hits to surfaces.
     pub gather: GatherStage,
     /// Secondary rays; none where there are none.
-    pub split: Option<SplitStage>,
+    pub split: Option<(Stage, SplitStage)>,
     /// Bases; none where there are none.
     pub base: Option<BaseStage>,
     /// Lights that bases answer to, by their numbers in the scene.
@@ -63,61 +65,98 @@ pub struct March {
 }
 
 impl Stages {
-    /// The functions that a scene calls for.
+    /// The functions that a scene calls for: those for what rays can reach, or under [`Pipeline::All`] those that know
+    /// everything. `eye_media` are the media around the eye.
     #[must_use]
-    pub fn of(scene: &Scene, options: &Options) -> Self {
-        let absorbing = scene.media.iter().any(|m| m.absorption != Rgb::ZERO);
-        let transmissive = scene.geometry.iter().any(|g| g.mask.meets(GeometryMask::TRANSMISSIVE));
-        let straight = scene.settings.shadows == ShadowRule::Straight && (transmissive || absorbing);
-        let march = straight.then(|| March {
-            gather: surface::pick(shapes(scene, |object| {
-                scene.geometry[object].mask.meets(GeometryMask::TRANSMISSIVE)
-            })),
+    pub fn of(scene: &Scene, reach: &Reach, eye_media: &[u32], options: &Options) -> Self {
+        let call = Call { scene, reach, options, all: options.effects.pipeline == Pipeline::All };
+        let media = eye_media.iter().copied().chain(std::iter::once(0)).chain(call.media());
+        let absorbing = call.all || media.into_iter().any(|m| scene.media[m as usize].absorption != Rgb::ZERO);
+        let transmissive = |o: usize| scene.geometry[o].mask.meets(GeometryMask::TRANSMISSIVE);
+        let through = call.all || absorbing || call.objects().any(transmissive);
+        let march = (through && scene.settings.shadows == ShadowRule::Straight).then(|| March {
+            gather: surface::pick(call.shapes(transmissive)),
             pass: through::pick(options.fresnel, absorbing),
             finish: absorbing.then_some(through::finish as FinishStage),
         });
         Self {
-            refraction: options.refraction,
+            refraction: options.bending(),
             medium: absorbing.then_some(medium::absorb as MediumStage),
-            miss: sky::pick(&scene.environment),
-            bins: std::array::from_fn(|bin| BinStages::of(bin, scene, options)),
+            miss: if call.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
+            bins: std::array::from_fn(|bin| call.bin(bin)),
             shadow_admits: if march.is_some() { GeometryMask::OPAQUE } else { GeometryMask::ALL },
             march,
         }
     }
 }
 
-impl BinStages {
-    fn of(bin: usize, scene: &Scene, options: &Options) -> Option<Self> {
-        let material_of = |object: usize| &scene.materials[scene.objects[object].material as usize];
-        let here = |object: usize| bin_of(material_of(object)) == bin;
-        let materials: Vec<&Material> = (0..scene.objects.len()).filter(|&o| here(o)).map(material_of).collect();
-        if materials.is_empty() {
+/// What a render calls for.
+#[derive(Clone, Copy)]
+struct Call<'a> {
+    scene: &'a Scene,
+    reach: &'a Reach,
+    options: &'a Options,
+    all: bool,
+}
+
+impl<'a> Call<'a> {
+    /// Objects that rays can meet.
+    fn objects(self) -> impl Iterator<Item = usize> {
+        (0..self.scene.objects.len()).filter(move |&o| self.all || !self.reach.sealed[o])
+    }
+
+    fn material(self, object: usize) -> &'a Material {
+        &self.scene.materials[self.scene.objects[object].material as usize]
+    }
+
+    /// Media that rays can get into.
+    fn media(self) -> impl Iterator<Item = u32> {
+        self.objects().filter_map(move |o| match self.material(o).interface {
+            Interface::Dielectric { medium, .. } => Some(medium),
+            _ => None,
+        })
+    }
+
+    /// The shapes of some objects.
+    fn shapes(self, of: impl Fn(usize) -> bool) -> Shapes {
+        let mut shapes = if self.all { Shapes::ALL } else { Shapes::default() };
+        self.objects().filter(|&o| of(o)).for_each(|o| shapes.add(&self.scene.geometry[o].shape));
+        shapes
+    }
+
+    /// The stages of a bin.
+    fn bin(self, bin: usize) -> Option<BinStages> {
+        let (scene, all) = (self.scene, self.all);
+        let here = |o: usize| bin_of(self.material(o)) == bin;
+        let materials: Vec<&Material> = self.objects().filter(|&o| here(o)).map(|o| self.material(o)).collect();
+        if materials.is_empty() && !all {
             return None;
         }
-        let split = split::pick(class_of(bin), scene, options);
+        let split = split::pick(class_of(bin), scene, self.options);
         let (mut base, mut lights) = (None, Vec::new());
         if bin_has_base(bin) {
-            let any = |of: fn(&Material) -> bool| materials.iter().any(|m| of(m));
-            let textured = any(|m| !matches!(m.diffuse, Colour::Constant(_)));
-            let shiny = any(|m| m.highlight.is_some());
-            let glowing = materials.iter().any(|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
-            if any(base::answers_light) {
-                let stage = |light: &Light| light::pick(light, shiny, light.shadows);
-                lights = scene.lights.iter().map(stage).enumerate().collect();
+            let any = |of: &dyn Fn(&Material) -> bool| all || materials.iter().any(|m| of(m));
+            let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)));
+            let shiny = any(&|m| m.highlight.is_some());
+            let glowing = any(&|m| m.emission + m.ambient * scene.ambient != Rgb::ZERO);
+            if any(&base::answers_light) {
+                // A light without intensity adds nothing.
+                let shining = scene.lights.iter().enumerate().filter(|(_, l)| all || l.intensity != Rgb::ZERO);
+                lights = shining.map(|(i, light)| (i, light::pick(light, shiny, all || light.shadows))).collect();
             }
             base = (glowing || !lights.is_empty()).then(|| base::pick(textured, shiny, glowing));
         }
-        let gather = surface::pick(shapes(scene, here));
-        (split.is_some() || base.is_some()).then_some(Self { gather, split, base, lights })
+        let gather = surface::pick(self.shapes(here));
+        let stage = match class_of(bin) {
+            Class::Opaque => None,
+            Class::Mirror | Class::MirrorOfEnvironment => Some(Stage::Mirror),
+            Class::Conductor => Some(Stage::Conductor),
+            Class::Dielectric => Some(Stage::Dielectric),
+            Class::Thin => Some(Stage::Thin),
+            Class::Coated => Some(Stage::Coated),
+            Class::Alpha => Some(Stage::Alpha),
+        };
+        let split = stage.zip(split);
+        (split.is_some() || base.is_some()).then_some(BinStages { gather, split, base, lights })
     }
-}
-
-/// The shapes of some objects.
-fn shapes(scene: &Scene, of: impl Fn(usize) -> bool) -> Shapes {
-    let mut shapes = Shapes::default();
-    for (_, geometry) in scene.geometry.iter().enumerate().filter(|&(object, _)| of(object)) {
-        shapes.add(&geometry.shape);
-    }
-    shapes
 }

@@ -67,6 +67,9 @@ pub struct Shapes {
 }
 
 impl Shapes {
+    /// All of them.
+    pub const ALL: Self = Self { flat: true, smooth: true, spheres: true, planes: true };
+
     /// Counts a shape in.
     pub fn add(&mut self, shape: &Shape) {
         match shape {

@@ -7,7 +7,7 @@ use super::camera::{Lens, sample_offset};
 use super::class::{BINS, bin_of};
 use super::media::StackId;
 use super::options::{Observer, Options};
-use super::outcome::RayKind;
+use super::outcome::{RayKind, Stage};
 use super::queue::{Chunk, State8};
 use super::shading::Shading;
 use super::split::lane_bits;
@@ -64,7 +64,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         eye_media: &[u32],
         observer: &'a Observer,
     ) -> Self {
-        let mut shading = Shading::new(scene, options.oliveira, stages.shadow_admits);
+        let mut shading = Shading::new(scene, options, stages.shadow_admits);
         let eye_stack = shading.media.stack_of(eye_media);
         let bin = |object: &crate::scene::Object| bin_of(&scene.materials[object.material as usize]) as u8;
         Self {
@@ -151,14 +151,19 @@ impl<'a, I: Intersector> Worker<'a, I> {
 
         let stages = self.stages;
         if let Some(medium) = stages.medium {
+            self.shading.streams.count(Stage::Medium);
             medium(&self.shading, chunk, &hits);
         }
         self.sort(chunk, &hits);
-        (stages.miss)(&mut self.shading, chunk, &self.misses);
+        if let Some(miss) = stages.miss.filter(|_| !self.misses.is_empty()) {
+            self.shading.streams.count(Stage::Miss);
+            miss(&mut self.shading, chunk, &self.misses);
+        }
         for (bin, stages) in stages.bins.iter().enumerate() {
             let Some(stages) = stages else { continue };
             let refs = std::mem::take(&mut self.bins[bin]);
             for stream in refs.chunks(STREAM) {
+                self.shading.streams.count(Stage::Gather);
                 (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.surfaces);
                 self.shade(stages, depth, coherence);
             }
@@ -171,12 +176,15 @@ impl<'a, I: Intersector> Worker<'a, I> {
 
     /// Takes the surfaces of a stream through the stages of their bin.
     fn shade(&mut self, stages: &BinStages, depth: usize, coherence: Coherence) {
-        if let Some(split) = stages.split {
+        if let Some((stage, split)) = stages.split {
+            self.shading.streams.count(stage);
             split(&mut self.shading, &mut self.surfaces, depth);
         }
         let Some(base) = stages.base else { return };
+        self.shading.streams.count(Stage::Base);
         base(&mut self.shading, &self.surfaces, &mut self.bases);
         for &(light, shine) in &stages.lights {
+            self.shading.streams.count(Stage::Light);
             shine(&mut self.shading, light, &self.surfaces, &self.bases);
         }
         if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {

@@ -2,11 +2,11 @@
 //! surface, shape, light, medium and sky are rendered by both.
 
 mod found;
-mod random;
 #[path = "../support/mod.rs"]
 mod support;
 
 use glam::DVec3;
+use support::random;
 use support::scenes::native;
 use vitrum::render::reference::{self, Prepared, Tally};
 use vitrum::render::{Observer, Options, Outcome, RayKind};

@@ -5,6 +5,7 @@
 pub mod aim;
 pub mod contract;
 pub mod kernels;
+pub mod random;
 pub mod scenes;
 pub mod shapes;
 

@@ -83,7 +83,9 @@ impl<I: Intersector> Worker<'_, I> {
         });
         let Some(&bin) = self.bin_of.get(hit.geometry as usize) else {
             let before = self.added();
-            (stages.miss)(&mut self.shading, &ray.chunk, &[0]);
+            if let Some(miss) = stages.miss {
+                miss(&mut self.shading, &ray.chunk, &[0]);
+            }
             let radiance = self.added_since(before);
             tree.at(ray.node, |event| event.shares.push(Share::free(Source::Environment, radiance)));
             return Ok(());
@@ -95,7 +97,7 @@ impl<I: Intersector> Worker<'_, I> {
         }
         self.see(&ray, tree);
         let Some(stages) = stages else { return Ok(()) };
-        if let Some(split) = stages.split {
+        if let Some((_, split)) = stages.split {
             let before = self.added();
             split(&mut self.shading, &mut self.surfaces, ray.depth);
             let mirrored = self.added_since(before);
@@ -140,6 +142,7 @@ impl<I: Intersector> Worker<'_, I> {
         let (object, primitive) = (surface.hit[0].geometry, surface.hit[0].primitive);
         let point = surface.point.lane(0).as_dvec3();
         let split = self.stages.bins[self.bin_of[object as usize] as usize].as_ref().and_then(|bin| bin.split);
+        let split = split.map(|(_, split)| split);
         let one = Vec3x8::splat(glam::Vec3::ONE);
         let unit = self.tried(split, &surface, one, ray.depth);
         let real = self.tried(split, &surface, surface.weight, ray.depth);

@@ -21,9 +21,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::record::{Off, Recorder, Tree};
-use super::{Observer, Options, Outcome};
+use super::{Observer, Options, Outcome, StreamCounts};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
+use crate::effects::{self, Effect};
 use crate::image::Film;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Material, Scene};
@@ -40,6 +41,8 @@ pub struct Prepared<'a> {
     fresnel: FresnelModel,
     refraction: RefractionModel,
     oliveira: Oliveira,
+    /// Whether light ends where it would be reflected totally.
+    total_is_lost: bool,
     /// What camera rays start in.
     stack: MediumStack,
 }
@@ -51,13 +54,15 @@ impl<'a> Prepared<'a> {
         Self::with(scene, &Options { fresnel, ..Options::default() })
     }
 
-    /// Builds the hierarchy and finds the media around the eye.
+    /// Builds the hierarchy and finds the media around the eye. What the options leave out of the scene's data is for the
+    /// caller to take out ([`effects::without`]).
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, refraction, oliveira, .. } = options;
+        let (fresnel, refraction, oliveira) = (options.fresnel, options.bending(), options.oliveira);
+        let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        Self { scene, accel, fresnel, refraction, oliveira, stack }
+        Self { scene, accel, fresnel, refraction, oliveira, total_is_lost, stack }
     }
 
     /// What was built.
@@ -142,6 +147,7 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
         .num_threads(options.threads)
         .build()
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
+    let scene = &*effects::without(scene, options.effects.without);
     let prepared = Prepared::with(scene, options);
     let (width, height) = (scene.settings.width, scene.settings.height);
     let rows: Vec<Row> = pool
@@ -162,6 +168,7 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
         non_finite: counts.non_finite,
         clamped: counts.clamped,
         unmatched_exits: counts.unmatched_exits,
+        streams: StreamCounts::default(),
     })
 }
 

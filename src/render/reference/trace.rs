@@ -191,6 +191,10 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 self.tally.unmatched_exits += u64::from(unmatched);
                 let boundary = Boundary::new(prepared.ior(from), prepared.ior(to));
                 let crossing = boundary.cross(at.cos_i);
+                if crossing.total && prepared.total_is_lost {
+                    self.tally.truncated += at.ray.weight;
+                    return;
+                }
                 let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
                 let tint = tint.as_dvec3();
                 let transmitted = if crossing.total { DVec3::ZERO } else { (one - r) * tint };

@@ -55,6 +55,7 @@ without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThro
 
 fn split<F: FresnelFormula, R: OfRender>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     let formula = R::of(shading);
+    let total_is_lost = shading.total_is_lost;
     for surface in surfaces {
         let (boundary, beyond) = enter(shading, surface, depth);
         let lanes = surface.base_lanes;
@@ -62,6 +63,7 @@ fn split<F: FresnelFormula, R: OfRender>(shading: &mut Shading, surfaces: &mut [
             continue;
         }
         let at = boundary.cross(-surface.incident.dot(surface.shading));
+        let lanes = if total_is_lost { lose(shading, surface, lanes & at.total.bits(), lanes) } else { lanes };
         let share = ruled(shading, surface, Vec3x8::all(F::dielectric(&boundary, &at)), at.total);
         let tint =
             shading.colours(surface, |i| if let Interface::Dielectric { tint, .. } = i { *tint } else { Rgb::ONE });
@@ -95,6 +97,13 @@ fn split<F: FresnelFormula, R: OfRender>(shading: &mut Shading, surfaces: &mut [
             shading.spawn(refracting & !lost, &new, RayKind::Transmitted, depth);
         }
     }
+}
+
+/// Ends the rays of some lanes, and gives the others of `all`.
+#[cold]
+fn lose(shading: &mut Shading, surface: &Surface8, lost: u8, all: u8) -> u8 {
+    shading.accumulator.add_truncated8(lost, &surface.pixel, &surface.weight);
+    all & !lost
 }
 
 /// What each lane meets, and the media beyond. Rays at boundaries that are not there go on; the others are left in

@@ -10,6 +10,7 @@ use super::outcome::RayKind;
 use super::queue::{Rgb8, Spawn8};
 use super::shading::Shading;
 use super::surface::Surface8;
+use crate::effects::Pipeline;
 use crate::geometry::GeometryMask;
 use crate::math::Vector3;
 use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, FresnelModel, Schlick};
@@ -36,13 +37,16 @@ fn pick_for<F: FresnelFormula>(class: Class, scene: &Scene, options: &Options) -
     match class {
         Class::Opaque => None,
         Class::Mirror => Some(mirror::traced),
+        Class::MirrorOfEnvironment if options.effects.pipeline == Pipeline::All => {
+            Some(mirror::of_environment::<super::sky::Any>)
+        }
         Class::MirrorOfEnvironment => Some(match scene.environment {
             Environment::Constant(_) => mirror::of_environment::<super::sky::Constant>,
             Environment::Gradient { .. } => mirror::of_environment::<super::sky::Gradient>,
             Environment::LatLong { .. } => mirror::of_environment::<super::sky::LatLong>,
         }),
         Class::Conductor => Some(mirror::conductor::<F>),
-        Class::Dielectric => Some(dielectric::pick::<F>(options.refraction)),
+        Class::Dielectric => Some(dielectric::pick::<F>(options.bending())),
         Class::Thin => Some(film::thin::<F>),
         Class::Coated => Some(film::coated::<F>),
         Class::Alpha => Some(film::alpha),

@@ -9,8 +9,8 @@ use vitrum::scene::{
     Material, Medium, MirrorSource, Projection, Rgb, Scene, ShadowRule, Texture,
 };
 
-use crate::support::Rng;
-use crate::support::scenes::{add, empty, plane, sphere};
+use super::Rng;
+use super::scenes::{add, empty, plane, sphere};
 
 /// Indices of media: thinner and denser than air, and air itself. All of them are `f32` numbers, so that a pane in a
 /// medium of its own index reflects nothing rather than 1e-16.

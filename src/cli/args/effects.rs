@@ -1,0 +1,46 @@
+//! `--effects` and a `--no-EFFECT` for each effect there is.
+
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+
+use crate::effects::Effect;
+
+/// What was typed about effects.
+#[derive(Debug, Default)]
+pub(in crate::cli) struct EffectArgs {
+    /// `auto`, `all`, or names with commas between.
+    pub effects: Option<String>,
+    /// Those with a `--no-` before them.
+    pub no: Vec<Effect>,
+}
+
+const HEADING: &str = "Effects";
+
+impl FromArgMatches for EffectArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let no = Effect::ALL.iter().copied().filter(|e| matches.get_flag(e.flag())).collect();
+        Ok(Self { effects: matches.get_one::<String>("effects").cloned(), no })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for EffectArgs {
+    fn augment_args(command: Command) -> Command {
+        let choice =
+            Arg::new("effects").long("effects").value_name("auto|all|LIST").help_heading(HEADING).help(
+                "What the scene calls for, the same by code that knows everything, or these alone [default: auto]",
+            );
+        Effect::ALL.iter().fold(command.arg(choice), |command, effect| {
+            let help = format!("Leave it out: {}", effect.left_out());
+            let flag = Arg::new(effect.flag()).long(effect.flag()).action(ArgAction::SetTrue).help_heading(HEADING);
+            command.arg(flag.help(help))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}

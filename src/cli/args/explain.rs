@@ -1,0 +1,54 @@
+//! The arguments of `vitrum explain`.
+
+use std::path::PathBuf;
+
+use clap::{Args, value_parser};
+
+use super::EffectArgs;
+
+/// Say which effects a scene calls for, and why; with --measure, what each is worth.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum explain scenes/glass.toml
+  vitrum explain scenes/glass.toml --measure
+  vitrum explain scenes/glass.toml --no-fresnel-split --json
+
+With --measure each effect that is on is left out in turn, in rounds with the
+whole picture in between, by the native back end: `time` is that of the whole
+picture over that without the effect (the median over the rounds), `rmse` and
+`pixels` what the picture changes by, in linear light.")]
+pub(in crate::cli) struct ExplainArgs {
+    /// Scene (.toml) or model (.obj)
+    pub scene: PathBuf,
+
+    /// Render with and without each effect
+    #[arg(long)]
+    pub measure: bool,
+
+    /// How often each is rendered
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 5, requires = "measure")]
+    pub rounds: u32,
+
+    /// Columns of the picture [default: the scene's, at most 320]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
+    pub width: Option<u32>,
+
+    /// Rows of the picture [default: the scene's, at most 240]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
+    pub height: Option<u32>,
+
+    /// Worker threads [default: one a processor]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub effects: EffectArgs,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// No progress bar
+    #[arg(short, long)]
+    pub quiet: bool,
+}

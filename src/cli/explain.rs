@@ -1,0 +1,262 @@
+//! `vitrum explain`.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::options::Explain;
+use super::table::grouped;
+use super::{Verdict, backend, interrupt, output, progress};
+use crate::Result;
+use crate::accel::{Unbounded, native::Native};
+use crate::effects::{Effect, EffectPlan};
+use crate::image::Film;
+use crate::load::{self, LoadOptions};
+use crate::render::{self, Observer, Options, Outcome};
+use crate::scene::Scene;
+use crate::trial::timing::{self, Figure};
+
+/// Widest line of the tables.
+const COLUMNS: usize = 80;
+
+/// Loads, resolves, measures where asked, and tells.
+pub(super) fn run(job: &Explain) -> Result<Verdict> {
+    let observer = Arc::new(Observer::default());
+    interrupt::listen(&observer)?;
+    let mut scene = load::scene(&job.scene, &LoadOptions::default())?.scene;
+    job.picture.fit(&mut scene.settings)?;
+    let plan = EffectPlan::resolve(&scene, &job.options.effects);
+    let measured = match job.rounds {
+        None => None,
+        Some(rounds) => Some(Measured::of(&scene, &plan, job, rounds, &observer)?),
+    };
+    let explained = Explained::new(&scene, &plan, measured.as_ref(), job.scene.display().to_string());
+    if job.json {
+        output::print_json(&explained)?;
+    } else {
+        output::print(&explained.text())?;
+    }
+    Ok(Verdict::Done)
+}
+
+/// What switching each effect off did.
+struct Measured {
+    /// By effect that is on.
+    effects: Vec<(Effect, Worth)>,
+    /// Rays of the whole picture.
+    rays: u64,
+}
+
+/// What an effect is worth.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct Worth {
+    /// Time of the whole picture over that without it: median, 10th and 90th percentile over the rounds.
+    time: [f64; 3],
+    /// Root of the mean square of what the picture's channels change by, in linear light.
+    rmse: f64,
+    /// Pixels that change at all.
+    pixels: u64,
+    /// Rays of all kinds that it takes.
+    rays: i64,
+}
+
+impl Measured {
+    fn of(scene: &Scene, plan: &EffectPlan, job: &Explain, rounds: usize, observer: &Observer) -> Result<Self> {
+        backend::start_threads(&job.options)?;
+        let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        let whole = job.options.effects;
+        let on: Vec<Effect> = plan.on().iter().collect();
+        let choices: Vec<Options> = std::iter::once(whole)
+            .chain(on.iter().map(|&e| crate::effects::Options { without: whole.without.with(e), ..whole }))
+            .map(|effects| Options { effects, ..job.options.clone() })
+            .collect();
+        let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
+        // One round more than is timed, in which nothing is warm yet.
+        let work = pixels * (rounds as u64 + 1) * choices.len() as u64;
+        let mut seconds = vec![Vec::new(); choices.len()];
+        let mut outcomes: Vec<Outcome> = Vec::new();
+        progress::follow(observer, work, !job.quiet, || {
+            interrupt::heeded(|| {
+                for round in 0..=rounds {
+                    for (options, seconds) in choices.iter().zip(&mut seconds) {
+                        let start = Instant::now();
+                        let outcome = render::render(scene, &accel, options, observer)?;
+                        if round == 0 {
+                            outcomes.push(outcome);
+                        } else {
+                            seconds.push(start.elapsed().as_secs_f64().max(1e-9));
+                        }
+                    }
+                }
+                Ok::<(), crate::Error>(())
+            })
+        })?;
+        let all = &outcomes[0];
+        let worth = |k: usize| {
+            let Figure { median, spread } = timing::ratio(&seconds[k], &seconds[0]);
+            let (rmse, pixels) = change(&all.film, &outcomes[k].film);
+            let rays = all.rays.total() as i64 - outcomes[k].rays.total() as i64;
+            Worth { time: [median, spread[0], spread[1]], rmse, pixels, rays }
+        };
+        let effects = on.iter().enumerate().map(|(i, &effect)| (effect, worth(i + 1))).collect();
+        Ok(Self { effects, rays: all.rays.total() })
+    }
+}
+
+/// The root of the mean square difference, and the pixels that differ.
+fn change(a: &Film, b: &Film) -> (f64, u64) {
+    let (mut sum, mut touched) = (0.0, 0);
+    for (a, b) in a.pixels.iter().zip(&b.pixels) {
+        touched += u64::from(a != b);
+        sum += a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
+    }
+    ((sum / (3.0 * a.pixels.len().max(1) as f64)).sqrt(), touched)
+}
+
+/// All that is told. Its JSON form is this, with the same names.
+#[derive(serde::Serialize)]
+struct Explained {
+    scene: String,
+    effects: Vec<Row>,
+    /// How many media a ray can be in at once.
+    stack: String,
+    /// Objects that no ray can meet, and what hides them.
+    hidden: Vec<[String; 2]>,
+    /// Lights that light nothing that is seen, and why.
+    useless_lights: Vec<String>,
+    rays: Budget,
+}
+
+#[derive(serde::Serialize)]
+struct Row {
+    effect: &'static str,
+    on: bool,
+    because: String,
+    left_out: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    worth: Option<Worth>,
+}
+
+#[derive(serde::Serialize)]
+struct Budget {
+    /// Levels of secondary rays.
+    depth: u32,
+    depth_because: String,
+    /// At most, of all kinds.
+    most_per_pixel: f64,
+    /// In the mean over the picture, where it was rendered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mean_per_pixel: Option<f64>,
+}
+
+impl Explained {
+    fn new(scene: &Scene, plan: &EffectPlan, measured: Option<&Measured>, name: String) -> Self {
+        let worth = |effect| measured.and_then(|m| m.effects.iter().find(|(e, _)| *e == effect)).map(|(_, w)| *w);
+        let row = |d: &crate::effects::Decision| Row {
+            effect: d.effect.name(),
+            on: d.on,
+            because: d.because.clone(),
+            left_out: d.effect.left_out(),
+            worth: worth(d.effect),
+        };
+        let pixels = f64::from(scene.settings.width) * f64::from(scene.settings.height);
+        let object = |o: usize| scene.objects[o].name.clone();
+        let hidden = plan.reach.hidden.iter().enumerate();
+        Self {
+            scene: name,
+            effects: plan.decisions.iter().map(row).collect(),
+            stack: plan.stack.clone(),
+            hidden: hidden.filter_map(|(o, wall)| Some([object(o), object((*wall)?)])).collect(),
+            useless_lights: plan.reach.useless.iter().flatten().cloned().collect(),
+            rays: Budget {
+                depth: plan.rays.depth,
+                depth_because: plan.rays.because.clone(),
+                most_per_pixel: plan.rays.per_pixel,
+                mean_per_pixel: measured.map(|m| m.rays as f64 / pixels),
+            },
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut lines = Vec::new();
+        let widest = self.effects.iter().map(|r| r.effect.len()).max().unwrap_or(0);
+        lines.push(format!("{:<widest$}  {:<3}  because", "effect", ""));
+        for row in &self.effects {
+            let head = format!("{:<widest$}  {:<3}  ", row.effect, if row.on { "on" } else { "off" });
+            wrap(&head, &row.because, &mut lines);
+        }
+        let hidden = self.hidden.iter().map(|[what, wall]| format!("no ray gets past `{wall}` to `{what}`"));
+        for fact in
+            hidden.chain(self.useless_lights.iter().map(|why| format!("a light that lights nothing seen: {why}")))
+        {
+            wrap("proven: ", &fact, &mut lines);
+        }
+        wrap("medium stack: ", &self.stack, &mut lines);
+        let rays = &self.rays;
+        let most =
+            format!("at most {} a pixel: {} deep ({})", count(rays.most_per_pixel), rays.depth, rays.depth_because);
+        wrap("rays: ", &most, &mut lines);
+        if let Some(mean) = rays.mean_per_pixel {
+            wrap("rays: ", &format!("{mean:.2} a pixel in the mean, as counted"), &mut lines);
+        }
+        if self.effects.iter().any(|r| r.worth.is_some()) {
+            lines.push(String::new());
+            lines.push(format!(
+                "{:<widest$}  {:>6}  {:>13}  {:>9}  {:>9}",
+                "left out", "time", "10-90 %", "rmse", "pixels"
+            ));
+            for (row, w) in self.effects.iter().filter_map(|r| Some((r, r.worth?))) {
+                let spread = format!("{:.3}-{:.3}", w.time[1], w.time[2]);
+                let (time, rmse) = (w.time[0], w.rmse);
+                let pixels = grouped(w.pixels);
+                lines.push(format!("{:<widest$}  {time:>6.3}  {spread:>13}  {rmse:>9.2e}  {pixels:>9}", row.effect));
+            }
+        }
+        lines.join("\n")
+    }
+}
+
+/// A number of rays; large ones to three digits.
+fn count(n: f64) -> String {
+    if n < 1e9 { grouped(n as u64) } else { format!("{n:.2e}") }
+}
+
+/// Adds `text` after `head`, in lines that fit, indented under its beginning.
+fn wrap(head: &str, text: &str, lines: &mut Vec<String>) {
+    let indent = head.chars().count();
+    let mut line = head.to_owned();
+    let mut empty = true;
+    for word in text.split(' ') {
+        if !empty && line.chars().count() + 1 + word.chars().count() > COLUMNS {
+            lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
+            empty = true;
+        }
+        if !empty {
+            line.push(' ');
+        }
+        line.push_str(word);
+        empty = false;
+    }
+    lines.push(line);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_reasons_are_wrapped_under_their_beginning() {
+        let mut lines = Vec::new();
+        wrap("head: ", &"word ".repeat(30), &mut lines);
+        assert!(lines.iter().all(|l| l.len() <= COLUMNS) && lines.len() > 1);
+        assert!(lines[1].starts_with("      word"));
+    }
+
+    #[test]
+    fn a_change_is_counted_in_pixels_and_its_rmse_by_hand() {
+        let (a, mut b) = (Film::new(2, 2), Film::new(2, 2));
+        b.pixels[3] = [0.0, 2.0, 0.0];
+        let (rmse, pixels) = change(&a, &b);
+        assert_eq!(pixels, 1);
+        assert!((rmse - (4.0_f64 / 12.0).sqrt()).abs() < 1e-12);
+    }
+}

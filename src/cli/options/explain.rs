@@ -1,0 +1,39 @@
+//! What is to be explained.
+
+use std::path::PathBuf;
+
+use super::super::args::ExplainArgs;
+use super::{SmallPicture, effects};
+use crate::{Error, Result, render};
+
+/// A scene to be explained.
+#[derive(Debug)]
+pub(in crate::cli) struct Explain {
+    pub scene: PathBuf,
+    /// Rounds of measurement; none for no measurement.
+    pub rounds: Option<usize>,
+    pub picture: SmallPicture,
+    pub options: render::Options,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+impl TryFrom<ExplainArgs> for Explain {
+    type Error = Error;
+
+    fn try_from(args: ExplainArgs) -> Result<Self> {
+        let options = render::Options {
+            effects: effects::effects(&args.effects)?,
+            threads: args.threads.unwrap_or(0) as usize,
+            ..render::Options::default()
+        };
+        Ok(Self {
+            scene: args.scene,
+            rounds: args.measure.then_some(args.rounds as usize),
+            picture: SmallPicture { width: args.width, height: args.height },
+            options,
+            json: args.json,
+            quiet: args.quiet,
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! The list of effects: adding one begins here.
+
+macro_rules! effects {
+    ($($variant:ident, $name:literal, $left_out:literal;)*) => {
+        /// Something that light does and that a render may simulate.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Effect {
+            $(#[doc = concat!("`", $name, "`; left out: ", $left_out, ".")] $variant,)*
+        }
+
+        impl Effect {
+            /// All of them, in the order of tables.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// The name in commands and reports.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+
+            /// The name of the flag that leaves it out.
+            #[must_use]
+            pub fn flag(self) -> &'static str {
+                match self {
+                    $(Self::$variant => concat!("no-", $name),)*
+                }
+            }
+
+            /// What the picture is without it.
+            #[must_use]
+            pub fn left_out(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $left_out,)*
+                }
+            }
+        }
+    };
+}
+
+effects! {
+    Ambient, "ambient", "no surface answers the ambient colour";
+    Emission, "emission", "no surface shines by itself";
+    Diffuse, "diffuse", "no surface has a colour of its own under lights";
+    Highlight, "highlight", "lights leave no bright spots";
+    HardShadows, "hard-shadows", "lights shine through everything";
+    ShadowsThroughGlass, "shadows-through-glass", "transparent surfaces cast shadows as opaque ones do";
+    Mirror, "mirror", "mirrors show their base colour alone";
+    Conductor, "conductor", "metals show their base colour alone";
+    Refraction, "refraction", "light goes straight on through transparent surfaces";
+    FresnelSplit, "fresnel-split", "clear surfaces reflect nothing but what they reflect totally";
+    TotalInternalReflection, "total-internal-reflection", "light that would be reflected totally ends";
+    Absorption, "absorption", "media take nothing of light";
+    NestedMedia, "nested-media", "where media overlap, the last entered fills the space";
+    Environment, "environment", "rays that meet nothing see black";
+    Textures, "textures", "pictures and checkers give way to their mean colours";
+    InterpolatedNormals, "interpolated-normals", "meshes are faceted";
+    ThinPanes, "thin-panes", "panes are not there";
+    Coats, "coats", "coated surfaces show their base alone";
+    Alpha, "alpha", "covers have no holes";
+}
+
+impl std::fmt::Display for Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl Effect {
+    /// The effect of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|e| e.name() == name)
+    }
+}

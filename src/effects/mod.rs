@@ -1,0 +1,20 @@
+//! What a scene calls for, and why: the effects that a render simulates, decided before its first ray.
+//!
+//! [`EffectPlan::resolve`] looks at a whole scene and says of each [`Effect`] whether it is simulated and because of
+//! what. The render picks its stages by the plan. [`without`] takes effects out of a scene.
+
+mod bound;
+mod effect;
+mod plan;
+mod reach;
+mod reason;
+mod set;
+mod shell;
+mod without;
+
+pub use bound::RayBound;
+pub use effect::Effect;
+pub use plan::{Decision, EffectPlan, Options, Pipeline};
+pub use reach::Reach;
+pub use set::EffectSet;
+pub use without::without;

@@ -1,0 +1,307 @@
+//! The reason for each effect: what in the scene calls for it.
+
+use super::shell::is_closed;
+use super::{Effect, Reach};
+use crate::geometry::{Aabb, Shape};
+use crate::scene::{Colour, Environment, FresnelRule, Interface, Material, Rgb, Scene, ShadowRule};
+
+/// Triangles of a mesh up to which its edges are looked at.
+const MOST_TRIANGLES: usize = 200_000;
+
+/// A scene and what of it can be reached.
+pub(super) struct Facts<'a> {
+    scene: &'a Scene,
+    reach: &'a Reach,
+    /// Media that a ray can be in.
+    media: Vec<u32>,
+}
+
+/// On or off, and why.
+type Answer = (bool, String);
+
+impl<'a> Facts<'a> {
+    pub fn new(scene: &'a Scene, reach: &'a Reach) -> Self {
+        let mut media = vec![0];
+        media.extend(scene.camera.medium);
+        media.extend((0..scene.objects.len()).filter(|&o| reach.meets(o)).filter_map(|o| medium_of(scene, o)));
+        media.sort_unstable();
+        media.dedup();
+        Self { scene, reach, media }
+    }
+
+    /// What is decided of an effect.
+    pub fn of(&self, effect: Effect) -> Answer {
+        let scene = self.scene;
+        match effect {
+            Effect::Ambient if scene.ambient == Rgb::ZERO => off("the scene has no ambient colour"),
+            Effect::Ambient => self.surfaces(
+                |m| m.ambient * scene.ambient != Rgb::ZERO,
+                "answers the scene's ambient colour",
+                "no surface answers the ambient colour",
+            ),
+            Effect::Emission => {
+                self.surfaces(|m| m.emission != Rgb::ZERO, "shines by itself", "no surface shines by itself")
+            }
+            Effect::Diffuse => self.lit(|m| m.diffuse != Colour::Constant(Rgb::ZERO), "has a diffuse colour"),
+            Effect::Highlight => self.lit(|m| m.highlight.is_some(), "has a highlight"),
+            Effect::HardShadows => self.shadows(),
+            Effect::ShadowsThroughGlass => self.shadows_through_glass(),
+            Effect::Mirror => self.interfaces(|i| matches!(i, Interface::Mirror { .. }), "is a mirror", "a mirror"),
+            Effect::Conductor => self.interfaces(|i| matches!(i, Interface::Conductor { .. }), "is a metal", "a metal"),
+            Effect::Coats => self.interfaces(|i| matches!(i, Interface::Coated { .. }), "has a clear coat", "coated"),
+            Effect::ThinPanes => {
+                self.interfaces(|i| matches!(i, Interface::ThinDielectric { .. }), "is a thin pane", "a thin pane")
+            }
+            Effect::Alpha => self.surfaces(
+                |m| matches!(m.interface, Interface::Alpha { opacity } if opacity < 1.0),
+                "covers only a share",
+                "no surface has holes",
+            ),
+            Effect::Refraction => self.refraction(),
+            Effect::FresnelSplit => self.surfaces(
+                |m| {
+                    matches!(
+                        m.interface,
+                        Interface::Dielectric { rule: FresnelRule::Fresnel, .. }
+                            | Interface::ThinDielectric { rule: FresnelRule::Fresnel, .. }
+                    )
+                },
+                "splits light by the Fresnel equations",
+                "no clear surface splits light by angle",
+            ),
+            Effect::TotalInternalReflection => self.total(),
+            Effect::Absorption => self.absorption(),
+            Effect::NestedMedia => self.stack(),
+            Effect::Environment => match scene.environment {
+                Environment::Constant(c) if c == Rgb::ZERO => off("it is black"),
+                Environment::Constant(_) => on("rays that meet nothing see one colour"),
+                Environment::Gradient { .. } => on("rays that meet nothing see a gradient"),
+                Environment::LatLong { texture, .. } => {
+                    (true, format!("rays that meet nothing see {}", scene.textures[texture as usize].name))
+                }
+            },
+            Effect::Textures => self.lit(|m| !matches!(m.diffuse, Colour::Constant(_)), "has a textured colour"),
+            Effect::InterpolatedNormals => self.objects(
+                |o| matches!(&scene.geometry[o].shape, Shape::Mesh(mesh) if !mesh.normal_indices.is_empty()),
+                "has normals of its own",
+                "every surface has the normal of its shape",
+            ),
+        }
+    }
+
+    /// How many media a ray can be in at once: more than one, and why.
+    pub fn stack(&self) -> Answer {
+        let scene = self.scene;
+        let solids: Vec<(usize, Option<Aabb>)> = (0..scene.objects.len())
+            .filter(|&o| self.reach.meets(o) && medium_of(scene, o).is_some())
+            .map(|o| (o, bounds(&scene.geometry[o].shape)))
+            .collect();
+        if solids.is_empty() {
+            return off("depth 0 is enough, no solid is transparent");
+        }
+        if let (Some(medium), (object, _)) = (scene.camera.medium.filter(|&m| m != 0), solids[0]) {
+            let (medium, object) = (&scene.media[medium as usize].name, &scene.objects[object].name);
+            return (true, format!("the eye is in `{medium}`, and `{object}` is transparent"));
+        }
+        let surrounding = scene.media[0].priority;
+        let yields = |&&(o, _): &&(usize, Option<Aabb>)| {
+            medium_of(scene, o).is_some_and(|m| scene.media[m as usize].priority < surrounding)
+        };
+        if let Some(&(o, _)) = solids.iter().find(yields) {
+            return (
+                true,
+                format!("`{}` yields to `{}`, which surrounds it", scene.objects[o].name, scene.media[0].name),
+            );
+        }
+        for (i, (a, box_a)) in solids.iter().enumerate() {
+            for (b, box_b) in &solids[..i] {
+                let apart = match (box_a, box_b) {
+                    (Some(p), Some(q)) => p.lo.cmpgt(q.hi).any() || q.lo.cmpgt(p.hi).any(),
+                    // A half space holds anything that is not proven to be off it.
+                    _ => false,
+                };
+                if !apart {
+                    let names = [*b, *a].map(|o| &scene.objects[o].name);
+                    return (true, format!("`{}` and `{}` may overlap", names[0], names[1]));
+                }
+            }
+        }
+        // Light that enters an open surface is still in its medium when it meets the next one.
+        let open = solids.iter().find(|&&(o, _)| !encloses(&scene.geometry[o].shape));
+        if let (Some(&(o, _)), true) = (open, solids.len() > 1) {
+            return (true, format!("`{}` may be open, so that light takes its medium along", scene.objects[o].name));
+        }
+        off("depth 1 is enough, no two dielectrics overlap")
+    }
+
+    fn interfaces(&self, of: impl Fn(&Interface) -> bool, what: &str, noun: &str) -> Answer {
+        self.surfaces(|m| of(&m.interface), what, &format!("no surface is {noun}"))
+    }
+
+    fn surfaces(&self, of: impl Fn(&Material) -> bool, what: &str, none: &str) -> Answer {
+        self.objects(|o| of(material(self.scene, o)), what, none)
+    }
+
+    /// On where an object that rays can meet is such; off where none is, or all of them are hidden.
+    fn objects(&self, of: impl Fn(usize) -> bool, what: &str, none: &str) -> Answer {
+        let such: Vec<usize> = (0..self.scene.objects.len()).filter(|&o| of(o)).collect();
+        let name = |o: usize| &self.scene.objects[o].name;
+        if let Some(&first) = such.iter().find(|&&o| self.reach.meets(o)) {
+            let others = such.iter().filter(|&&o| self.reach.meets(o)).count() - 1;
+            let more = if others == 0 { String::new() } else { format!(" (and {others} more)") };
+            return (true, format!("`{}` {what}{more}", name(first)));
+        }
+        match such.first().and_then(|&o| self.reach.hidden[o].map(|wall| (o, wall))) {
+            Some((o, wall)) => (false, format!("`{}` {what}, but no ray gets past `{}` to it", name(o), name(wall))),
+            None => off(none),
+        }
+    }
+
+    /// Such surfaces under lights.
+    fn lit(&self, of: impl Fn(&Material) -> bool, what: &str) -> Answer {
+        match self.useful_lights() {
+            Err(why) => (false, why),
+            Ok(_) => self.surfaces(of, what, &format!("no surface {what}")),
+        }
+    }
+
+    /// Lights that reach anything, or why none does.
+    fn useful_lights(&self) -> Result<Vec<usize>, String> {
+        let useful: Vec<usize> = (0..self.scene.lights.len()).filter(|&l| self.reach.useless[l].is_none()).collect();
+        match (useful.is_empty(), self.reach.useless.iter().flatten().next()) {
+            (false, _) => Ok(useful),
+            (true, Some(why)) => Err(why.clone()),
+            (true, None) if matches!(self.scene.environment, Environment::Constant(c) if c == Rgb::ZERO) => {
+                Err(String::from("the scene has no light"))
+            }
+            (true, None) => Err(String::from("the only light is the environment")),
+        }
+    }
+
+    fn answering(&self) -> Answer {
+        let answers = |m: &Material| m.diffuse != Colour::Constant(Rgb::ZERO) || m.highlight.is_some();
+        self.surfaces(answers, "answers light", "no surface answers light")
+    }
+
+    fn shadows(&self) -> Answer {
+        let useful = match self.useful_lights() {
+            Ok(useful) => useful,
+            Err(why) => return (false, why),
+        };
+        let Some(&casting) = useful.iter().find(|&&l| self.scene.lights[l].shadows) else {
+            return off("no light casts shadows");
+        };
+        match self.answering() {
+            (true, why) => (true, format!("`{}` casts shadows; {why}", self.scene.lights[casting].name)),
+            no => no,
+        }
+    }
+
+    fn shadows_through_glass(&self) -> Answer {
+        if self.scene.settings.shadows == ShadowRule::Opaque {
+            return off("the scene's shadows are opaque");
+        }
+        if let (false, why) = self.shadows() {
+            return (false, why);
+        }
+        let through = self.surfaces(Material::is_transmissive, "lets light through", "no surface lets light through");
+        if through.0 { through } else { self.absorption_or(through) }
+    }
+
+    fn absorption_or(&self, otherwise: Answer) -> Answer {
+        match self.absorption() {
+            (true, why) => (true, why),
+            _ => otherwise,
+        }
+    }
+
+    fn refraction(&self) -> Answer {
+        let scene = self.scene;
+        let differs = |o: usize| {
+            medium_of(scene, o).and_then(|m| {
+                let ior = scene.media[m as usize].ior;
+                self.media.iter().copied().find(|&other| scene.media[other as usize].ior != ior).map(|other| (m, other))
+            })
+        };
+        let (any, why) = self.objects(|o| medium_of(scene, o).is_some(), "is transparent", "no solid is transparent");
+        let bending = (0..scene.objects.len()).filter(|&o| self.reach.meets(o)).find_map(|o| Some((o, differs(o)?)));
+        match bending {
+            Some((o, (m, other))) => {
+                let [m, other] = [m, other].map(|m| &scene.media[m as usize]);
+                let name = &scene.objects[o].name;
+                (true, format!("`{name}` has index {} against `{}` {}", m.ior, other.name, other.ior))
+            }
+            None if any => off("every transparent solid has the index of what surrounds it"),
+            None => (false, why),
+        }
+    }
+
+    fn total(&self) -> Answer {
+        let scene = self.scene;
+        let medium = |m: &u32| &scene.media[*m as usize];
+        let by_ior = |a: &&u32, b: &&u32| medium(a).ior.total_cmp(&medium(b).ior);
+        let Some(densest) = self.media.iter().max_by(by_ior).map(medium) else {
+            return off("no ray can start in a denser medium");
+        };
+        let films = (0..scene.objects.len()).filter(|&o| self.reach.meets(o)).find(|&o| match *interface(scene, o) {
+            Interface::Coated { ior } | Interface::ThinDielectric { ior, .. } => f64::from(ior) < densest.ior,
+            _ => false,
+        });
+        match (self.media.iter().map(medium).find(|m| m.ior < densest.ior), films) {
+            (Some(thinner), _) => {
+                (true, format!("rays in `{}` can meet `{}`, which is thinner", densest.name, thinner.name))
+            }
+            (None, Some(o)) => {
+                (true, format!("rays in `{}` can meet `{}`, which is thinner", densest.name, scene.objects[o].name))
+            }
+            _ => off("no ray can start in a denser medium"),
+        }
+    }
+
+    fn absorption(&self) -> Answer {
+        let colours = |m: &&crate::scene::Medium| m.absorption != Rgb::ZERO;
+        let reached = self.media.iter().map(|&m| &self.scene.media[m as usize]);
+        match (reached.clone().find(colours), self.scene.media.iter().find(colours)) {
+            (Some(medium), _) => (true, format!("`{}` has a colour", medium.name)),
+            (None, Some(medium)) => (false, format!("`{}` has a colour, but no ray gets into it", medium.name)),
+            (None, None) => off("no medium has a colour"),
+        }
+    }
+}
+
+fn on(why: &str) -> Answer {
+    (true, why.to_owned())
+}
+
+fn off(why: &str) -> Answer {
+    (false, why.to_owned())
+}
+
+fn material(scene: &Scene, object: usize) -> &Material {
+    &scene.materials[scene.objects[object].material as usize]
+}
+
+fn interface(scene: &Scene, object: usize) -> &Interface {
+    &material(scene, object).interface
+}
+
+fn medium_of(scene: &Scene, object: usize) -> Option<u32> {
+    if let Interface::Dielectric { medium, .. } = *interface(scene, object) { Some(medium) } else { None }
+}
+
+/// Whether a shape is known to enclose what is inside it.
+fn encloses(shape: &Shape) -> bool {
+    match shape {
+        Shape::Mesh(mesh) => mesh.triangles.len() <= MOST_TRIANGLES && is_closed(mesh),
+        Shape::Sphere(_) | Shape::Plane(_) => true,
+    }
+}
+
+/// None for a plane.
+fn bounds(shape: &Shape) -> Option<Aabb> {
+    match shape {
+        Shape::Mesh(mesh) => Some(Aabb::of(&mesh.positions)),
+        Shape::Sphere(sphere) => Some(sphere.bounds()),
+        Shape::Plane(_) => None,
+    }
+}

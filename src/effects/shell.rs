@@ -1,0 +1,159 @@
+//! Surfaces that nothing passes: what is proven to lie behind one.
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::{Aabb, Plane, Shape, Sphere, TriMesh};
+
+/// Margin of every proof, as a share of the largest coordinate in the scene: a thousand times what rounding moves a
+/// point by.
+const MARGIN: f64 = 1e-4;
+
+/// Triangles of a mesh up to which it is looked at as a shell.
+const MOST_TRIANGLES: usize = 2_000;
+
+/// Where something lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Outside a closed shell; in front of a plane.
+    Outside,
+    /// Within a closed shell; behind a plane.
+    Inside,
+    /// Across it, or too near to tell.
+    Across,
+}
+
+/// A surface that parts space in two.
+pub(super) enum Shell<'a> {
+    /// An infinite plane; its outside is where the normal points.
+    Plane(&'a Plane),
+    /// A sphere.
+    Sphere(&'a Sphere),
+    /// A closed convex mesh.
+    Mesh(&'a TriMesh),
+}
+
+impl<'a> Shell<'a> {
+    /// The shell that a shape is, if it is one.
+    pub fn of(shape: &'a Shape) -> Option<Self> {
+        match shape {
+            Shape::Plane(plane) => plane.is_usable().then_some(Self::Plane(plane)),
+            Shape::Sphere(sphere) => sphere.is_usable().then_some(Self::Sphere(sphere)),
+            Shape::Mesh(mesh) => {
+                let small = mesh.triangles.len() <= MOST_TRIANGLES;
+                (small && is_closed(mesh) && is_convex(mesh)).then_some(Self::Mesh(mesh))
+            }
+        }
+    }
+
+    /// Whether it is a plane.
+    pub fn is_plane(&self) -> bool {
+        matches!(self, Self::Plane(_))
+    }
+
+    /// Where a box lies, in a scene of coordinates up to `scale`.
+    pub fn side_of_box(&self, b: &Aabb, scale: f64) -> Side {
+        if b.is_empty() {
+            return Side::Across;
+        }
+        let (lo, hi) = (b.lo.as_dvec3(), b.hi.as_dvec3());
+        let (centre, half) = ((lo + hi) * 0.5, (hi - lo) * 0.5);
+        let margin = MARGIN * scale;
+        match self {
+            Self::Plane(plane) => {
+                let normal = plane.normal.as_dvec3().normalize();
+                let height = normal.dot(centre - plane.point.as_dvec3());
+                side(height, normal.abs().dot(half) + margin)
+            }
+            Self::Sphere(sphere) => {
+                let (c, r) = (sphere.centre.as_dvec3(), f64::from(sphere.radius));
+                let farthest = ((centre - c).abs() + half).length();
+                let nearest = ((centre - c).abs() - half).max(DVec3::ZERO).length();
+                if farthest < r - margin {
+                    Side::Inside
+                } else if nearest > r + margin {
+                    Side::Outside
+                } else {
+                    Side::Across
+                }
+            }
+            Self::Mesh(mesh) => {
+                let grown = (lo - margin, hi + margin);
+                // Where no triangle's box meets the grown box, all of that lies on the side of its centre.
+                let touched = (0..mesh.triangles.len()).any(|i| {
+                    let t = Aabb::of(&mesh.corners(i));
+                    t.lo.as_dvec3().cmple(grown.1).all() && t.hi.as_dvec3().cmpge(grown.0).all()
+                });
+                if touched { Side::Across } else { of_winding(winding_number(mesh, centre)) }
+            }
+        }
+    }
+
+    /// Where a point lies.
+    pub fn side_of_point(&self, p: Vec3, scale: f64) -> Side {
+        self.side_of_box(&Aabb { lo: p, hi: p }, scale)
+    }
+}
+
+fn side(height: f64, reach: f64) -> Side {
+    if height > reach {
+        Side::Outside
+    } else if height < -reach {
+        Side::Inside
+    } else {
+        Side::Across
+    }
+}
+
+fn of_winding(turns: f64) -> Side {
+    if turns.abs() < 0.1 {
+        Side::Outside
+    } else if (turns.abs() - 1.0).abs() < 0.1 {
+        Side::Inside
+    } else {
+        Side::Across
+    }
+}
+
+/// Whether each edge of a mesh is shared by two triangles that run along it in opposite ways, and none is without area.
+pub(super) fn is_closed(mesh: &TriMesh) -> bool {
+    if mesh.triangles.is_empty() {
+        return false;
+    }
+    // Corners in the same place are one corner, whatever their numbers.
+    let place = |k: u32| mesh.positions[k as usize].to_array().map(|x| (x + 0.0).to_bits());
+    let mut edges = std::collections::HashMap::new();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(place);
+        let [pa, pb, pc] = triangle.map(|k| mesh.positions[k as usize].as_dvec3());
+        let area = (pb - pa).cross(pc - pa).length();
+        if !(area > 0.0 && area.is_finite()) {
+            return false;
+        }
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *edges.entry((from, to)).or_insert(0) += 1;
+        }
+    }
+    edges.iter().all(|(&(from, to), &n)| n == 1 && edges.get(&(to, from)) == Some(&1))
+}
+
+/// Whether every corner of a closed mesh lies behind every one of its triangles, or in their planes.
+fn is_convex(mesh: &TriMesh) -> bool {
+    let size = Aabb::of(&mesh.positions);
+    let slack = 1e-6 * (size.hi - size.lo).as_dvec3().length();
+    (0..mesh.triangles.len()).all(|i| {
+        let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize();
+        mesh.triangles.iter().flatten().all(|&k| normal.dot(mesh.positions[k as usize].as_dvec3() - a) <= slack)
+    })
+}
+
+/// How often a closed mesh winds around a point that is on none of its triangles (van Oosterom & Strackee 1983).
+fn winding_number(mesh: &TriMesh, p: DVec3) -> f64 {
+    let mut angle = 0.0;
+    for i in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(i).map(|v| (v.as_dvec3() - p).normalize());
+        let volume = a.dot(b.cross(c));
+        angle += 2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+    }
+    angle / (4.0 * std::f64::consts::PI)
+}

@@ -1,0 +1,81 @@
+//! Scenes with effects taken out of their data.
+
+use std::borrow::Cow;
+
+use super::{Effect, EffectSet};
+use crate::geometry::Shape;
+use crate::scene::{Colour, Environment, FresnelRule, Interface, Rgb, Scene, ShadowRule, Texture};
+
+/// The scene without some effects: as [`Effect::left_out`] says of each. Refraction and total internal reflection are
+/// no data of a scene; renderers leave them out by themselves. Shapes stay where they are, so that a hierarchy built of
+/// the whole scene's serves this one.
+#[must_use]
+pub fn without(scene: &Scene, effects: EffectSet) -> Cow<'_, Scene> {
+    let mut scene = Cow::Borrowed(scene);
+    for effect in effects.iter() {
+        if !matches!(effect, Effect::Refraction | Effect::TotalInternalReflection) {
+            take_out(scene.to_mut(), effect);
+        }
+    }
+    scene
+}
+
+fn take_out(scene: &mut Scene, effect: Effect) {
+    let textures = &scene.textures;
+    let materials = scene.materials.iter_mut();
+    let opaque_where = |what: fn(&Interface) -> bool| {
+        move |m: &mut crate::scene::Material| {
+            if what(&m.interface) {
+                m.interface = Interface::Opaque;
+            }
+        }
+    };
+    match effect {
+        Effect::Ambient => scene.ambient = Rgb::ZERO,
+        Effect::Emission => materials.for_each(|m| m.emission = Rgb::ZERO),
+        Effect::Diffuse => materials.for_each(|m| m.diffuse = Colour::Constant(Rgb::ZERO)),
+        Effect::Highlight => materials.for_each(|m| m.highlight = None),
+        Effect::HardShadows => scene.lights.iter_mut().for_each(|l| l.shadows = false),
+        Effect::ShadowsThroughGlass => scene.settings.shadows = ShadowRule::Opaque,
+        Effect::Mirror => materials.for_each(opaque_where(|i| matches!(i, Interface::Mirror { .. }))),
+        Effect::Conductor => materials.for_each(opaque_where(|i| matches!(i, Interface::Conductor { .. }))),
+        Effect::Coats => materials.for_each(opaque_where(|i| matches!(i, Interface::Coated { .. }))),
+        Effect::Alpha => materials.for_each(opaque_where(|i| matches!(i, Interface::Alpha { .. }))),
+        Effect::ThinPanes => materials.for_each(|m| {
+            if matches!(m.interface, Interface::ThinDielectric { .. }) {
+                m.interface = Interface::Alpha { opacity: 0.0 };
+            }
+        }),
+        Effect::FresnelSplit => materials.for_each(|m| {
+            if let Interface::Dielectric { rule, .. } | Interface::ThinDielectric { rule, .. } = &mut m.interface
+                && *rule == FresnelRule::Fresnel
+            {
+                *rule = FresnelRule::Fixed(Rgb::ZERO);
+            }
+        }),
+        Effect::Absorption => scene.media.iter_mut().for_each(|m| m.absorption = Rgb::ZERO),
+        Effect::NestedMedia => scene.media.iter_mut().skip(1).for_each(|m| m.priority = i32::MAX),
+        Effect::Environment => scene.environment = Environment::Constant(Rgb::ZERO),
+        Effect::Textures => materials.for_each(|m| m.diffuse = Colour::Constant(mean(&m.diffuse, textures))),
+        Effect::InterpolatedNormals => {
+            for geometry in &mut scene.geometry {
+                if let Shape::Mesh(mesh) = &mut geometry.shape {
+                    (mesh.normals, mesh.normal_indices) = (Vec::new(), Vec::new());
+                }
+            }
+        }
+        Effect::Refraction | Effect::TotalInternalReflection => {}
+    }
+}
+
+fn mean(colour: &Colour, textures: &[Texture]) -> Rgb {
+    match colour {
+        Colour::Constant(c) => *c,
+        Colour::Checker { even, odd, .. } => (*even + *odd) * 0.5,
+        Colour::Image { texture, scale } => {
+            let pixels = &textures[*texture as usize].pixels;
+            let sum = pixels.iter().fold(glam::DVec3::ZERO, |sum, p| sum + p.as_dvec3());
+            (sum / pixels.len().max(1) as f64).as_vec3() * *scale
+        }
+    }
+}
