@@ -1,6 +1,7 @@
 //! What may be typed, and the help for it. Values are checked one by one here, against each other in [`super::options`].
 
 mod formulas;
+mod pixel;
 mod price;
 
 use std::path::PathBuf;
@@ -10,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::simd::level;
 pub(super) use formulas::{FormulasArgs, KindArg};
+pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
@@ -39,6 +41,7 @@ pub(super) enum Command {
     Verify(VerifyArgs),
     Bench(BenchArgs),
     Price(PriceArgs),
+    Pixel(PixelArgs),
     Doctor(DoctorArgs),
 }
 

@@ -11,6 +11,7 @@ mod metadata;
 mod options;
 mod output;
 mod parity;
+mod pixel;
 mod progress;
 mod render;
 mod summary;
@@ -64,6 +65,7 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
         Command::Price(args) => formulas::run(&options::Formulas::new(&args.formulas, args.json)),
+        Command::Pixel(args) => pixel::run(&options::Pixel::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }
 }

@@ -1,6 +1,7 @@
 //! The command line as types, checked as a whole: past this point there are no flags.
 
 mod formulas;
+mod pixel;
 
 use std::path::{Path, PathBuf};
 
@@ -16,6 +17,7 @@ use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
 pub(super) use formulas::Formulas;
+pub(super) use pixel::Pixel;
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
 const MOST_PIXELS: u64 = 1 << 27;
@@ -124,18 +126,11 @@ impl TryFrom<RenderArgs> for Render {
                 samples: args.samples,
                 depth: args.depth,
                 cutoff: args.cutoff,
-                shadows: args.shadows.map(|rule| match rule {
-                    ShadowsArg::Opaque => ShadowRule::Opaque,
-                    ShadowsArg::Straight => ShadowRule::Straight,
-                }),
+                shadows: args.shadows.map(Into::into),
             },
             backend,
             options: render::Options {
-                fresnel: match args.fresnel {
-                    FresnelArg::Exact => FresnelModel::Exact,
-                    FresnelArg::Schlick => FresnelModel::Schlick,
-                    FresnelArg::Off => FresnelModel::Off,
-                },
+                fresnel: args.fresnel.into(),
                 refraction: args.refraction.into(),
                 oliveira: oliveira(args.refraction, args.oliveira)?,
                 threads: args.threads.unwrap_or(0) as usize,
@@ -145,6 +140,25 @@ impl TryFrom<RenderArgs> for Render {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+impl From<FresnelArg> for FresnelModel {
+    fn from(arg: FresnelArg) -> Self {
+        match arg {
+            FresnelArg::Exact => Self::Exact,
+            FresnelArg::Schlick => Self::Schlick,
+            FresnelArg::Off => Self::Off,
+        }
+    }
+}
+
+impl From<ShadowsArg> for ShadowRule {
+    fn from(arg: ShadowsArg) -> Self {
+        match arg {
+            ShadowsArg::Opaque => Self::Opaque,
+            ShadowsArg::Straight => Self::Straight,
+        }
     }
 }
 
