@@ -1,4 +1,4 @@
-//! `vitrum pixel`.
+//! `vitrum pixel`: two renderers' trees of rays, aligned and told.
 
 mod align;
 mod condition;

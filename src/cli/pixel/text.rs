@@ -79,11 +79,10 @@ pub(super) fn of_the_pixel(narrow: &Side, wide: &Side) -> Vec<Quantity> {
 
 fn conditions(findings: &Findings) -> Vec<String> {
     let tell = |c: &super::Condition| match c.ulps {
-        Some(ulps) => format!(
-            "ill-conditioned: moved by {ulps} ulp{}, it changes by more than {TOLERANCE}",
-            if ulps == 1.0 { "" } else { "s" }
-        ),
-        None => format!("well-conditioned: moved by up to {} ulps, it changes by no more than {TOLERANCE}", c.looked),
+        Some(ulps) => {
+            format!("ill-conditioned: {ulps} ulp{} move it by over {TOLERANCE}", if ulps == 1.0 { "" } else { "s" })
+        }
+        None => format!("well-conditioned: {} ulps move it by {TOLERANCE} at most", c.looked),
     };
     match findings.conditions.as_slice() {
         [one] => vec![format!("camera ray {}", tell(one))],

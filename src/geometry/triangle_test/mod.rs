@@ -1,14 +1,19 @@
 //! Ray/triangle tests side by side, each a type, so that what is timed or judged is the test and no branch.
 //!
 //! The renderer's own is [`Watertight`]. The others are here to be measured against it, by speed (`cargo bench --bench
-//! triangle`) and by what they lose. Rays out of a closed mesh aimed at random, at its corners and at its edges, rays
-//! that met nothing in 100 000 (`tests/triangle_tests.rs` prints the same for fewer):
+//! triangle`, `vitrum price --formulas --of triangle`) and by what they lose. Of 2000 rays out of a closed ball with
+//! bumps (1520 triangles, about the origin), those that met nothing, with fused products:
 //!
-//! | test | random | corners | edges |
+//! | test | at random | at corners | at edges |
 //! |---|---|---|---|
-//! LEAKS
+//! | plane and areas | 0 | 6.4 % | 14.3 % |
+//! | Möller-Trumbore | 0 | 26.3 % | 16.5 % |
+//! | Plücker | 0 | 0.05 % | 0 |
+//! | watertight | 0 | 0 | 0 |
+//! | certified | 0 | 0 | 0 |
 //!
-//! Random rays tell none of them from a tight one: a test that is to find leaks has to aim.
+//! Random rays tell none of them from a tight one: a test that is to find leaks has to aim. (Far from the origin, at
+//! (148376, 1234, -223423), the plane-and-area test loses 2.8 % of the random ones, too.)
 
 mod certified;
 mod moller_trumbore;
