@@ -20,6 +20,7 @@ mod outcome;
 mod queue;
 pub mod record;
 pub mod reference;
+mod room;
 mod shading;
 mod shadow;
 mod sky;
@@ -54,9 +55,11 @@ struct TileResult {
 /// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started.
+/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started or there is no
+/// memory for the picture.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let settings = &scene.settings;
+    room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     let eye_media = eye::media_around(scene, accel);
     let stages = Stages::of(scene, options);

@@ -136,8 +136,10 @@ struct Row {
 /// Renders the whole picture, rows in parallel. The bytes do not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads cannot be had.
+/// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads or memory for
+/// the picture cannot be had.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
+    super::room::check(&scene.settings)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
