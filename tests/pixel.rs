@@ -169,6 +169,7 @@ fn a_blocked_lamp_names_what_blocks_it_and_a_free_one_what_it_adds() {
     scenes::plane(&mut scene, Vec3::ZERO, Vec3::Y, lit);
     scenes::sphere(&mut scene, Vec3::new(3.0, 3.0, 0.0), 0.5, opaque);
     let lamp = |position| Light {
+        name: String::from("lamp"),
         kind: LightKind::Point { position },
         intensity: Rgb::ONE,
         falloff: Falloff::None,
