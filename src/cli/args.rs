@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::simd::level;
 pub(super) use formulas::{FormulasArgs, KindArg};
+use crate::study::Spheres;
 pub(super) use price::PriceArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
@@ -104,6 +105,10 @@ pub(super) struct RenderArgs {
     /// What transparent surfaces do to shadows [default: as the scene says]
     #[arg(long, value_enum, help_heading = "Light")]
     pub shadows: Option<ShadowsArg>,
+
+    /// Exact spheres, or as meshes of so many bands
+    #[arg(long, value_name = "exact|BANDS", value_parser = spheres, default_value = "exact", help_heading = "Light")]
+    pub spheres: Spheres,
 
     /// What traces the rays [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
@@ -431,6 +436,16 @@ pub(super) enum BackendArg {
     Embree,
     /// Embree in its fast mode, which may lose rays at edges
     EmbreeFast,
+}
+
+fn spheres(text: &str) -> Result<Spheres, String> {
+    if text == "exact" {
+        return Ok(Spheres::Exact);
+    }
+    match text.parse() {
+        Ok(n @ 2..=4096) => Ok(Spheres::Bands(n)),
+        _ => Err(String::from("neither `exact` nor a number of bands, 2 to 4096")),
+    }
 }
 
 fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {

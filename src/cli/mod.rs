@@ -11,6 +11,7 @@ mod metadata;
 mod options;
 mod output;
 mod parity;
+mod price;
 mod progress;
 mod render;
 mod summary;
@@ -63,7 +64,10 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Parity(args) => parity::run(&options::Parity::from(args)),
         Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
-        Command::Price(args) => formulas::run(&options::Formulas::new(&args.formulas, args.json)),
+        Command::Price(args) if args.formulas.formulas => {
+            formulas::run(&options::Formulas::new(&args.formulas, args.json))
+        }
+        Command::Price(args) => price::run(options::Price::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }
 }

@@ -1,6 +1,7 @@
 //! The command line as types, checked as a whole: past this point there are no flags.
 
 mod formulas;
+mod price;
 
 use std::path::{Path, PathBuf};
 
@@ -12,10 +13,12 @@ use super::backend::Backend;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Settings, ShadowRule};
+use crate::study::Spheres;
 use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
 pub(super) use formulas::Formulas;
+pub(super) use price::Price;
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
 const MOST_PIXELS: u64 = 1 << 27;
@@ -30,6 +33,8 @@ pub(super) struct Render {
     /// Factor on all colours.
     pub exposure: Exposure,
     pub overrides: Overrides,
+    /// What the scene's exact spheres are.
+    pub spheres: Spheres,
     pub backend: Backend,
     pub options: render::Options,
     /// Makes every oddity an error.
@@ -129,6 +134,7 @@ impl TryFrom<RenderArgs> for Render {
                     ShadowsArg::Straight => ShadowRule::Straight,
                 }),
             },
+            spheres: args.spheres,
             backend,
             options: render::Options {
                 fresnel: match args.fresnel {

@@ -13,6 +13,8 @@ use crate::image::{self, Encoding, Film};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::Observer;
 use crate::scene::Scene;
+use crate::study::Spheres;
+use crate::study::spheres::with_spheres;
 use crate::{Error, Result};
 
 /// Loads, renders, writes and reports.
@@ -24,6 +26,9 @@ pub(super) fn run(job: Render) -> Result<Verdict> {
     let Loaded { mut scene, report } =
         load::scene(&job.scene, &LoadOptions { strict: job.strict, ..LoadOptions::default() })?;
     job.overrides.apply(&mut scene.settings)?;
+    if job.spheres != Spheres::Exact {
+        scene = with_spheres(&scene, job.spheres);
+    }
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
 

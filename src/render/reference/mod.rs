@@ -138,14 +138,22 @@ struct Row {
 /// # Errors
 /// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads cannot be had.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
+    picture(&Prepared::with(scene, options), options, observer)
+}
+
+/// [`render`], of a scene that is ready; its own choice of formulas holds.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> Result<Outcome> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
-    let prepared = Prepared::with(scene, options);
-    let (width, height) = (scene.settings.width, scene.settings.height);
-    let rows: Vec<Row> = pool
-        .install(|| (0..height).into_par_iter().map(|y| row(&prepared, width, y, observer)).collect::<Result<_>>())?;
+    let settings = &prepared.scene.settings;
+    let (width, height) = (settings.width, settings.height);
+    let rows: Vec<Row> =
+        pool.install(|| (0..height).into_par_iter().map(|y| row(prepared, width, y, observer)).collect::<Result<_>>())?;
 
     let mut film = Film { width, height, pixels: Vec::new() };
     let mut truncated = Film { width, height, pixels: Vec::new() };
