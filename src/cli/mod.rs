@@ -3,6 +3,7 @@
 mod args;
 mod backend;
 mod bench;
+mod budget;
 mod compare;
 mod doctor;
 mod formulas;

@@ -3,14 +3,19 @@
 use std::fmt;
 
 use crate::geometry::Shape;
-use crate::optics::FresnelModel;
-use crate::scene::{Interface, Scene, ShadowRule};
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::render::Reflection;
+use crate::scene::{Interface, MirrorSource, Scene, ShadowRule};
 
 /// A choice that has a price.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Axis {
     /// Which formula splits light at a surface.
     Fresnel,
+    /// Which formula bends light.
+    Refraction,
+    /// What becomes of reflected light.
+    Reflection,
     /// What transparent surfaces do to shadows.
     Shadows,
     /// Exact spheres or triangles.
@@ -61,6 +66,10 @@ pub enum Spheres {
 pub enum Level {
     /// See [`Axis::Fresnel`].
     Fresnel(FresnelModel),
+    /// See [`Axis::Refraction`]; the constant counts for Oliveira's formula alone, and is that for glass else.
+    Refraction(RefractionModel, Oliveira),
+    /// See [`Axis::Reflection`].
+    Reflection(Reflection),
     /// See [`Axis::Shadows`].
     Shadows(ShadowRule),
     /// See [`Axis::Spheres`].
@@ -79,8 +88,10 @@ pub enum Level {
 
 impl Axis {
     /// All of them, in the order in which they are studied.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Fresnel,
+        Self::Refraction,
+        Self::Reflection,
         Self::Shadows,
         Self::Spheres,
         Self::Cutoff,
@@ -95,6 +106,8 @@ impl Axis {
     pub fn name(self) -> &'static str {
         match self {
             Self::Fresnel => "fresnel",
+            Self::Refraction => "refraction",
+            Self::Reflection => "reflection",
             Self::Shadows => "shadows",
             Self::Spheres => "spheres",
             Self::Cutoff => "cutoff",
@@ -117,6 +130,23 @@ impl Axis {
         match self {
             Self::Fresnel => {
                 [FresnelModel::Off, FresnelModel::Schlick, FresnelModel::Exact].map(Level::Fresnel).to_vec()
+            }
+            Self::Refraction => {
+                let oliveira = [Oliveira::AS_PRINTED, Oliveira::WATER, Oliveira::GLASS]
+                    .map(|c| Level::Refraction(RefractionModel::Oliveira, c));
+                let others = [
+                    RefractionModel::Bec,
+                    RefractionModel::Heckbert,
+                    RefractionModel::SlidesVector,
+                    RefractionModel::Trigonometric,
+                    RefractionModel::Stable,
+                ];
+                let level = |model| Level::Refraction(model, Oliveira::GLASS);
+                let straight = std::iter::once(level(RefractionModel::StraightThrough));
+                straight.chain(oliveira).chain(others.map(level)).collect()
+            }
+            Self::Reflection => {
+                [Reflection::None, Reflection::Environment, Reflection::Traced].map(Level::Reflection).to_vec()
             }
             Self::Shadows => [ShadowRule::Opaque, ShadowRule::Straight].map(Level::Shadows).to_vec(),
             Self::Spheres => {
@@ -141,6 +171,17 @@ impl Axis {
             {
                 Some("no material of the scene splits light by Fresnel")
             }
+            Self::Refraction if !any(|i| matches!(i, Interface::Dielectric { .. })) => {
+                Some("no material of the scene bends light")
+            }
+            Self::Reflection
+                if !any(|i| match i {
+                    Interface::Mirror { source, .. } => *source == MirrorSource::Traced,
+                    other => !matches!(other, Interface::Opaque | Interface::Alpha { .. }),
+                }) =>
+            {
+                Some("no material of the scene reflects")
+            }
             Self::Shadows if !scene.lights.iter().any(|l| l.shadows) => Some("no light of the scene casts shadows"),
             Self::Shadows if !scene.materials.iter().any(crate::scene::Material::is_transmissive) => {
                 Some("nothing in the scene lets light through")
@@ -159,6 +200,8 @@ impl Level {
     pub fn axis(self) -> Axis {
         match self {
             Self::Fresnel(_) => Axis::Fresnel,
+            Self::Refraction(..) => Axis::Refraction,
+            Self::Reflection(_) => Axis::Reflection,
             Self::Shadows(_) => Axis::Shadows,
             Self::Spheres(_) => Axis::Spheres,
             Self::Cutoff(_) => Axis::Cutoff,
@@ -177,6 +220,10 @@ impl Level {
             Axis::Depth => number(name).map(Self::Depth),
             Axis::Sampling => number(name.split_once('x')?.0).map(Self::Sampling),
             Axis::Spheres if name != "exact" => number(name).map(|n| Self::Spheres(Spheres::Bands(n))),
+            Axis::Refraction if name.starts_with("oliveira c=") => {
+                let c = name["oliveira c=".len()..].parse::<f64>().ok().filter(|c| *c > -1.0)?;
+                Some(Self::Refraction(RefractionModel::Oliveira, Oliveira { c }))
+            }
             Axis::Cutoff => {
                 let cutoff = match name.split_once('/') {
                     Some((one, n)) => one.parse::<f32>().ok()? / n.parse::<f32>().ok()?,
@@ -196,6 +243,16 @@ impl fmt::Display for Level {
             Self::Fresnel(FresnelModel::Exact) | Self::Spheres(Spheres::Exact) => f.write_str("exact"),
             Self::Fresnel(FresnelModel::Schlick) => f.write_str("schlick"),
             Self::Fresnel(FresnelModel::Off) => f.write_str("off"),
+            Self::Refraction(RefractionModel::Stable, _) => f.write_str("stable"),
+            Self::Refraction(RefractionModel::Trigonometric, _) => f.write_str("trigonometric"),
+            Self::Refraction(RefractionModel::Heckbert, _) => f.write_str("heckbert"),
+            Self::Refraction(RefractionModel::Bec, _) => f.write_str("bec"),
+            Self::Refraction(RefractionModel::SlidesVector, _) => f.write_str("slides"),
+            Self::Refraction(RefractionModel::Oliveira, c) => write!(f, "oliveira c={}", c.c),
+            Self::Refraction(RefractionModel::StraightThrough, _) => f.write_str("straight"),
+            Self::Reflection(Reflection::Traced) => f.write_str("traced"),
+            Self::Reflection(Reflection::Environment) => f.write_str("environment"),
+            Self::Reflection(Reflection::None) => f.write_str("none"),
             Self::Shadows(ShadowRule::Opaque) => f.write_str("opaque"),
             Self::Shadows(ShadowRule::Straight) => f.write_str("straight"),
             Self::Spheres(Spheres::Bands(n)) | Self::Depth(n) => write!(f, "{n}"),

@@ -68,7 +68,7 @@ impl<'a> Engine<'a> {
     /// # Errors
     /// `Interrupted`; a limit, where the back end is not there.
     pub fn shoot(&mut self, variant: &Variant, observer: &Observer) -> Result<Shot> {
-        let options = Options { fresnel: variant.fresnel, threads: self.threads, ..Options::default() };
+        let options = variant.options(self.threads);
         let threads = self.threads;
         let stage = self.stage(variant.spheres);
         stage.scene.settings = variant.settings(&stage.scene.settings);
@@ -76,7 +76,7 @@ impl<'a> Engine<'a> {
         match (variant.precision, variant.backend) {
             (Precision::Double, _) => {
                 let start = Instant::now();
-                let prepared = Prepared::new(scene, variant.fresnel);
+                let prepared = Prepared::with(scene, &options);
                 let build_seconds = start.elapsed().as_secs_f64();
                 let start = Instant::now();
                 let outcome = reference::picture(&prepared, &options, observer)?;

@@ -10,8 +10,8 @@ use crate::image::{self, Film};
 pub const VISIBLE: f64 = 1.0 / 255.0;
 
 /// Pixels asked about their condition in one picture: the worst, and others evenly from the rest.
-const WORST_ASKED: usize = 48;
-const OTHERS_ASKED: usize = 80;
+const WORST_ASKED: usize = 24;
+const OTHERS_ASKED: usize = 24;
 
 /// A picture against its reference; see [`image::Comparison`] for the units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -27,8 +27,10 @@ const DARK: f64 = 1e-5;
 const fn colour(axis: Axis) -> &'static str {
     match axis {
         Axis::Fresnel => "#0072b2",
+        Axis::Refraction => "#b0467b",
+        Axis::Reflection => "#4f5bd5",
         Axis::Shadows => "#e69f00",
-        Axis::Spheres => "#cc79a7",
+        Axis::Spheres => "#e58ab0",
         Axis::Cutoff => "#d55e00",
         Axis::Depth => "#6a3d9a",
         Axis::Backend => "#009e73",

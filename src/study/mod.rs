@@ -7,6 +7,7 @@
 //! [`formulas`] is the same question for one formula at a time.
 
 pub mod axis;
+pub mod budget;
 pub mod clock;
 pub mod condition;
 pub mod csv;

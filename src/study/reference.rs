@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::axis::{Precision, Spheres};
 use super::variant::Variant;
 use crate::image::Film;
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::render::Reflection;
 
 /// Depth limit of the exact choices, at least.
 const DEPTH: u32 = 64;
@@ -40,12 +41,15 @@ pub struct Made {
     pub film: String,
 }
 
-/// The exact choices, with the rays a pixel and the shadow rule of `default`: `f64`, the Fresnel equations, exact
+/// The exact choices, with the rays a pixel and the shadow rule of `default`: `f64`, the Fresnel equations, Snell's law, traced reflections, exact
 /// spheres, a depth limit of at least 64 and a cut-off of at most 1/65536.
 #[must_use]
 pub fn exact(default: &Variant) -> Variant {
     Variant {
         fresnel: FresnelModel::Exact,
+        refraction: RefractionModel::Stable,
+        oliveira: Oliveira::GLASS,
+        reflection: Reflection::Traced,
         spheres: Spheres::Exact,
         depth: default.depth.max(DEPTH),
         cutoff: default.cutoff.min(CUTOFF),

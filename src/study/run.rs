@@ -103,7 +103,8 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
         watch: *watch,
         start,
         left_out: Vec::new(),
-        share: 0.0,
+        late: Vec::new(),
+        portion: (1.0, 1),
         default_film: None,
     };
     let finished = match session.all() {
@@ -115,6 +116,9 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
     let rows = report::rows(&session.journal, &subject.default, |v| v.command(subject.path, size));
     let counts = scene.shape_counts();
     let mut left_out = session.left_out;
+    if !session.late.is_empty() {
+        left_out.push(format!("the time limit of {:.0} s: {}", subject.limit.as_secs_f64(), session.late.join("; ")));
+    }
     if watch.observer.stop.load(std::sync::atomic::Ordering::Relaxed) {
         left_out.insert(0, String::from("all that was not reached when the study was ended; the same command goes on"));
     }
@@ -149,8 +153,10 @@ struct Session<'a> {
     watch: Watch<'a>,
     start: Instant,
     left_out: Vec<String>,
-    /// Seconds that each variant is worth.
-    share: f64,
+    /// Names of what the time limit left out.
+    late: Vec<String>,
+    /// The part of the time left that the variants still to come may take, and how many these are.
+    portion: (f64, usize),
     /// The default's picture.
     default_film: Option<Film>,
 }
@@ -194,7 +200,7 @@ impl Session<'_> {
         let singles: usize = plan.iter().map(|(_, variants)| variants.len()).sum();
         // What is left is shared evenly, with a third of it for combinations.
         let for_singles = if subject.combine { 0.65 } else { 0.95 };
-        self.share = self.left() * for_singles / singles.max(1) as f64;
+        self.portion = (for_singles, singles);
         for (axis, variants) in &plan {
             self.block(axis.name(), variants)?;
         }
@@ -310,14 +316,19 @@ impl Session<'_> {
         let done =
             |v: &Variant| self.journal.find(v).is_some_and(|r| r.ratios.len() >= FEWEST_RUNS.min(self.subject.runs));
         let fresh: Vec<Variant> = variants.iter().filter(|v| !done(v)).copied().collect();
+        self.portion.1 = self.portion.1.saturating_sub(variants.len() - fresh.len());
         for some in fresh.chunks(BLOCK) {
+            let begin = Instant::now();
+            // What the others of this stage and the next one do not need.
+            let share = self.left() * self.portion.0 / self.portion.1.max(some.len()) as f64 * some.len() as f64;
+            self.portion.1 = self.portion.1.saturating_sub(some.len());
             let mut turns = Vec::new();
             for variant in some {
                 let title = variant.name(&self.subject.default);
                 let expected = self.expected(variant);
                 // Even a single run has to fit.
                 if self.left() < expected {
-                    self.left_out.push(format!("{title}: the time limit (some {expected:.0} s a run)"));
+                    self.late.push(title);
                     continue;
                 }
                 self.say(&title);
@@ -327,7 +338,8 @@ impl Session<'_> {
                     Err(e) => return Err(e),
                 }
             }
-            let ended = self.rounds(name, &mut turns);
+            let seconds = (share - begin.elapsed().as_secs_f64()).max(0.0);
+            let ended = self.rounds(name, &mut turns, seconds);
             self.keep_turns(turns, ended.is_err())?;
             ended?;
         }
@@ -350,10 +362,8 @@ impl Session<'_> {
         let default = self.engine.shoot(&self.subject.default, self.watch.observer)?;
         let shot = self.engine.shoot(variant, self.watch.observer)?;
         let record = self.judge(variant, &shot)?;
-        let affordable = self.share / (shot.seconds + default.seconds / BLOCK as f64).max(1e-9);
-        let fewest = FEWEST_RUNS.min(self.subject.runs);
-        let wanted = (affordable as usize).clamp(fewest, self.subject.runs.max(fewest));
-        let mut turn = Turn { record, film: shot.outcome.film, wanted };
+        let cost = (shot.seconds + default.seconds / BLOCK as f64).max(1e-9);
+        let mut turn = Turn { record, film: shot.outcome.film, cost, wanted: 0 };
         if shot.seconds > LONG {
             turn.record.seconds.push(shot.seconds);
             turn.record.ratios.push(shot.seconds / default.seconds);
@@ -362,7 +372,12 @@ impl Session<'_> {
     }
 
     /// Default, A, B, C, default, A, B, C, ... until each has as many runs as it is worth.
-    fn rounds(&mut self, name: &str, turns: &mut [Turn]) -> Result<()> {
+    fn rounds(&mut self, name: &str, turns: &mut [Turn], seconds: f64) -> Result<()> {
+        let each = seconds / turns.len().max(1) as f64;
+        let fewest = FEWEST_RUNS.min(self.subject.runs);
+        for turn in turns.iter_mut() {
+            turn.wanted = ((each / turn.cost) as usize).clamp(fewest, self.subject.runs.max(fewest));
+        }
         let default = self.subject.default;
         let mut of_default = Vec::new();
         let result = (|| {
@@ -395,8 +410,7 @@ impl Session<'_> {
             if turn.record.ratios.len() >= fewest {
                 self.journal.keep(turn.record, &turn.film)?;
             } else if !interrupted {
-                let title = turn.record.variant.name(&self.subject.default);
-                self.left_out.push(format!("{title}: the time limit"));
+                self.late.push(turn.record.variant.name(&self.subject.default));
             }
         }
         Ok(())
@@ -424,7 +438,7 @@ impl Session<'_> {
                 products.beaten, products.all
             ));
         }
-        self.share = self.left() * 0.7 / products.variants.len().max(1) as f64;
+        self.portion = (0.7, products.variants.len());
         let mut late = 0;
         for some in products.variants.chunks(BLOCK) {
             if self.late() {
@@ -434,7 +448,7 @@ impl Session<'_> {
             self.block("combinations", some)?;
         }
         if late > 0 {
-            self.left_out.push(format!("{late} combinations: the time limit"));
+            self.late.push(format!("{late} combinations"));
         }
         Ok(())
     }
@@ -461,7 +475,7 @@ impl Session<'_> {
                 variants.extend(bases.iter().map(|base| base.with(level)));
             }
         }
-        self.share = self.left() * 0.9 / variants.len().max(1) as f64;
+        self.portion = (0.9, variants.len());
         self.block("sampling and others", &variants)
     }
 }
@@ -470,5 +484,8 @@ impl Session<'_> {
 struct Turn {
     record: Record,
     film: Film,
+    /// Seconds of a run, with its part of the default's.
+    cost: f64,
+    /// Timed runs.
     wanted: usize,
 }

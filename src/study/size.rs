@@ -51,7 +51,7 @@ pub fn choose(subject: &Subject, observer: &Observer) -> Result<[u32; 2]> {
 }
 
 /// The size of about so many pixels in the shape of a picture.
-fn fit(settings: &Settings, pixels: f64) -> [u32; 2] {
+pub(super) fn fit(settings: &Settings, pixels: f64) -> [u32; 2] {
     let (width, height) = (f64::from(settings.width), f64::from(settings.height));
     let scale = (pixels / (width * height)).sqrt().min(1.0);
     [width, height].map(|edge| (edge * scale).round().max(1.0) as u32)

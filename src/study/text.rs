@@ -43,7 +43,7 @@ fn heading(report: &Report) -> String {
 
 fn table(report: &Report) -> String {
     let mut text = format!(
-        "\n{:<2}{:<25}{:>7} {:>13}{:>9}{:>9}{:>7}{:>8}\n",
+        "\n{:<2}{:<24}{:>7} {:>13}{:>9}{:>9}{:>7}{:>8}\n",
         "", "", "time", "interval", "RMSE", "max", ">1/255", "light"
     );
     let mut marks = marks(&report.rows).into_iter();
@@ -64,7 +64,7 @@ fn table(report: &Report) -> String {
         let mut names = name_lines(&row.name).into_iter();
         let first = names.next().unwrap_or_default();
         let time = if row.name == "default" { String::from("1") } else { short(row.ratio.median) };
-        text += &format!("{mark:<2}{first:<25}{time:>7} {interval:>13}{rmse:>9}{max:>9}{visible:>7}{light:>8}\n");
+        text += &format!("{mark:<2}{first:<24}{time:>7} {interval:>13}{rmse:>9}{max:>9}{visible:>7}{light:>8}\n");
         for more in names {
             text += &format!("    {more}\n");
         }

@@ -7,7 +7,8 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::axis::{Axis, Backend, Level, Precision, Spheres};
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::render::{Options, Reflection};
 use crate::scene::{Settings, ShadowRule};
 
 /// One of each choice.
@@ -15,6 +16,12 @@ use crate::scene::{Settings, ShadowRule};
 pub struct Variant {
     /// Which formula splits light.
     pub fresnel: FresnelModel,
+    /// Which formula bends light.
+    pub refraction: RefractionModel,
+    /// The constant of Oliveira's formula; that for glass with any other.
+    pub oliveira: Oliveira,
+    /// What becomes of reflected light.
+    pub reflection: Reflection,
     /// What transparent surfaces do to shadows.
     pub shadows: ShadowRule,
     /// What spheres are.
@@ -37,6 +44,9 @@ impl Variant {
     pub fn of(settings: &Settings, backend: Backend) -> Self {
         Self {
             fresnel: FresnelModel::Exact,
+            refraction: RefractionModel::Stable,
+            oliveira: Oliveira::GLASS,
+            reflection: Reflection::Traced,
             shadows: settings.shadows,
             spheres: Spheres::Exact,
             cutoff: settings.cutoff,
@@ -52,6 +62,8 @@ impl Variant {
     pub fn level(&self, axis: Axis) -> Level {
         match axis {
             Axis::Fresnel => Level::Fresnel(self.fresnel),
+            Axis::Refraction => Level::Refraction(self.refraction, self.oliveira),
+            Axis::Reflection => Level::Reflection(self.reflection),
             Axis::Shadows => Level::Shadows(self.shadows),
             Axis::Spheres => Level::Spheres(self.spheres),
             Axis::Cutoff => Level::Cutoff(self.cutoff),
@@ -67,6 +79,8 @@ impl Variant {
     pub fn with(mut self, level: Level) -> Self {
         match level {
             Level::Fresnel(x) => self.fresnel = x,
+            Level::Refraction(x, c) => (self.refraction, self.oliveira) = (x, c),
+            Level::Reflection(x) => self.reflection = x,
             Level::Shadows(x) => self.shadows = x,
             Level::Spheres(x) => self.spheres = x,
             Level::Cutoff(x) => self.cutoff = x,
@@ -105,6 +119,19 @@ impl Variant {
         }
     }
 
+    /// Options of a render by these choices.
+    #[must_use]
+    pub fn options(&self, threads: usize) -> Options {
+        Options {
+            fresnel: self.fresnel,
+            refraction: self.refraction,
+            oliveira: self.oliveira,
+            reflection: self.reflection,
+            threads,
+            ..Options::default()
+        }
+    }
+
     /// The options of `vitrum render` that repeat it.
     #[must_use]
     pub fn flags(&self) -> Vec<String> {
@@ -113,8 +140,13 @@ impl Variant {
             format!("--depth {}", self.depth),
             format!("--cutoff {}", self.cutoff),
             format!("--fresnel {}", self.level(Axis::Fresnel)),
-            format!("--shadows {}", self.level(Axis::Shadows)),
         ];
+        flags.push(match self.refraction {
+            RefractionModel::Oliveira => format!("--refraction oliveira --oliveira {}", self.oliveira.c),
+            _ => format!("--refraction {}", self.level(Axis::Refraction)),
+        });
+        flags.push(format!("--reflection {}", self.level(Axis::Reflection)));
+        flags.push(format!("--shadows {}", self.level(Axis::Shadows)));
         if let Spheres::Bands(n) = self.spheres {
             flags.push(format!("--spheres {n}"));
         }

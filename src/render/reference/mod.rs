@@ -21,7 +21,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::record::{Off, Recorder, Tree};
-use super::{Observer, Options, Outcome};
+use super::{Observer, Options, Outcome, Reflection};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::image::Film;
@@ -40,6 +40,7 @@ pub struct Prepared<'a> {
     fresnel: FresnelModel,
     refraction: RefractionModel,
     oliveira: Oliveira,
+    reflection: Reflection,
     /// What camera rays start in.
     stack: MediumStack,
 }
@@ -54,10 +55,10 @@ impl<'a> Prepared<'a> {
     /// Builds the hierarchy and finds the media around the eye.
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, refraction, oliveira, .. } = options;
+        let &Options { fresnel, refraction, oliveira, reflection, .. } = options;
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        Self { scene, accel, fresnel, refraction, oliveira, stack }
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, stack }
     }
 
     /// What was built.

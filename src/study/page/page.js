@@ -32,14 +32,14 @@ const millis = (s) => (s >= 1 ? s.toFixed(2) + " s" : (1000 * s).toFixed(1) + " 
 
 // The two judges: at the default's rays a pixel, and against 16 x 16.
 const JUDGES = {
-  own: { label: "at " + Math.sqrt(rays()) + " × " + Math.sqrt(rays()) + " rays a pixel", front: "front",
+  own: { label: side() === 1 ? "at 1 ray a pixel" : `at ${side()} × ${side()} rays a pixel`, front: "front",
     error: (row) => row.own && (row.own.apart ? row.own.apart.rmse : row.own.rmse),
     note: "Errors against the f64 renderer with the exact choices at the same rays a pixel, ill-conditioned pixels left out." },
   fine: { label: "against 16 × 16 rays a pixel", front: "front_fine",
     error: (row) => row.fine && row.fine.rmse,
     note: "Errors against 16 × 16 rays a pixel: what sampling leaves is part of every error here." },
 };
-function rays() { return rows.length ? parseInt(rows[0].levels.sampling, 10) ** 2 : 1; }
+function side() { return rows.length ? parseInt(rows[0].levels.sampling, 10) : 1; }
 let judge = rows.some((r) => r.own) ? "own" : "fine";
 let chosen = rows.findIndex((r) => r.name !== "default");
 if (chosen < 0) chosen = 0;
