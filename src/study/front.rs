@@ -3,8 +3,20 @@
 /// For each point of (cost, error), whether no other is at most as costly and at most as wrong, and less in one of them.
 #[must_use]
 pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
-    let beats = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && (a[0] < b[0] || a[1] < b[1]);
-    points.iter().map(|p| p.iter().all(|x| x.is_finite()) && !points.iter().any(|q| beats(q, p))).collect()
+    let finite = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
+    let mut order: Vec<usize> = (0..points.len()).filter(|&i| finite(&points[i])).collect();
+    order.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]).then(points[a][1].total_cmp(&points[b][1])));
+    let mut on = vec![false; points.len()];
+    // The least error of all that is cheaper than the group of equal cost at hand.
+    let mut cheaper = f64::INFINITY;
+    for group in order.chunk_by(|&a, &b| points[a][0] == points[b][0]) {
+        let least = points[group[0]][1];
+        if least < cheaper {
+            group.iter().filter(|&&i| points[i][1] == least).for_each(|&i| on[i] = true);
+            cheaper = least;
+        }
+    }
+    on
 }
 
 #[cfg(test)]
