@@ -3,7 +3,7 @@
 use super::backend::Backend;
 use super::options::Exposure;
 use crate::optics::{FresnelModel, RefractionModel};
-use crate::render::Options;
+use crate::render::{Options, Reflection};
 use crate::scene::{Settings, ShadowRule};
 use crate::simd::level;
 
@@ -24,6 +24,7 @@ pub(super) fn of(
         ("vitrum:cutoff", settings.cutoff.to_string()),
         ("vitrum:fresnel", fresnel_name(options.fresnel).into()),
         ("vitrum:refraction", refraction_name(options)),
+        ("vitrum:reflection", reflection_name(options.reflection).into()),
         ("vitrum:shadows", shadows_name(settings.shadows).into()),
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
@@ -52,6 +53,15 @@ pub(super) fn refraction_name(options: &Options) -> String {
         RefractionModel::SlidesVector => "slides".into(),
         RefractionModel::Oliveira => format!("oliveira {}", options.oliveira.c),
         RefractionModel::StraightThrough => "straight".into(),
+    }
+}
+
+/// What becomes of reflected light, as the command line has it.
+pub(super) fn reflection_name(reflection: Reflection) -> &'static str {
+    match reflection {
+        Reflection::Traced => "traced",
+        Reflection::Environment => "environment",
+        Reflection::None => "none",
     }
 }
 

@@ -2,22 +2,26 @@
 
 mod formulas;
 mod pixel;
+mod price;
 
 use std::path::{Path, PathBuf};
 
 use super::args::{
-    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, RefractionArg,
-    RenderArgs, ShadowsArg, VerifyArgs,
+    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, ReflectionArg,
+    RefractionArg, RenderArgs, ShadowsArg, VerifyArgs,
 };
 use super::backend::Backend;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Settings, ShadowRule};
+use crate::study::budget::Wish;
+use crate::study::{Axis, Spheres};
 use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
 pub(super) use formulas::Formulas;
 pub(super) use pixel::Pixel;
+pub(super) use price::Price;
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
 const MOST_PIXELS: u64 = 1 << 27;
@@ -32,8 +36,14 @@ pub(super) struct Render {
     /// Factor on all colours.
     pub exposure: Exposure,
     pub overrides: Overrides,
+    /// What the scene's exact spheres are.
+    pub spheres: Spheres,
     pub backend: Backend,
     pub options: render::Options,
+    /// What the free choices are made for, where that is asked.
+    pub wish: Option<Wish>,
+    /// Choices that the command line made.
+    pub fixed: Vec<Axis>,
     /// Makes every oddity an error.
     pub strict: bool,
     pub json: bool,
@@ -111,6 +121,22 @@ impl TryFrom<RenderArgs> for Render {
                 name.display()
             )));
         }
+        let fixed = [
+            (Axis::Fresnel, args.fresnel.is_some()),
+            (Axis::Refraction, args.refraction.is_some()),
+            (Axis::Reflection, args.reflection.is_some()),
+            (Axis::Shadows, args.shadows.is_some()),
+            (Axis::Spheres, args.spheres.is_some()),
+            (Axis::Cutoff, args.cutoff.is_some()),
+            (Axis::Depth, args.depth.is_some()),
+            (Axis::Backend, args.backend.is_some()),
+        ];
+        let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
+        if wish.is_some() && backend == Backend::Reference {
+            return Err(Error::Usage(String::from(
+                "--backend reference: f64 is exact already; leave --max-error or --time-budget out",
+            )));
+        }
         Ok(Self {
             scene: args.scene,
             output,
@@ -128,11 +154,19 @@ impl TryFrom<RenderArgs> for Render {
                 cutoff: args.cutoff,
                 shadows: args.shadows.map(Into::into),
             },
+            spheres: args.spheres.unwrap_or(Spheres::Exact),
+            wish,
+            fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
             backend,
             options: render::Options {
-                fresnel: args.fresnel.into(),
-                refraction: args.refraction.into(),
-                oliveira: oliveira(args.refraction, args.oliveira)?,
+                fresnel: args.fresnel.unwrap_or(FresnelArg::Exact).into(),
+                refraction: args.refraction.unwrap_or(RefractionArg::Stable).into(),
+                oliveira: oliveira(args.refraction.unwrap_or(RefractionArg::Stable), args.oliveira)?,
+                reflection: match args.reflection {
+                    None | Some(ReflectionArg::Traced) => render::Reflection::Traced,
+                    Some(ReflectionArg::Environment) => render::Reflection::Environment,
+                    Some(ReflectionArg::None) => render::Reflection::None,
+                },
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },

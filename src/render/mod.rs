@@ -31,7 +31,7 @@ mod through;
 mod tile;
 mod worker;
 
-pub use options::{Observer, Options};
+pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind};
 
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -2,8 +2,10 @@
 
 use super::accumulate::Accumulator;
 use super::media::{MediaTable, StackId};
+use super::options::Options;
 use super::outcome::{RayCounts, RayKind};
 use super::queue::{Queue, Rgb8, Spawn8};
+use super::split::mirrored::{self, ReflectStage};
 use super::surface::Surface8;
 use crate::geometry::GeometryMask;
 use crate::math::Real;
@@ -18,6 +20,8 @@ pub struct Shading<'a> {
     pub media: MediaTable<'a>,
     /// The constant of the one refraction formula that has any.
     pub oliveira: Oliveira,
+    /// What becomes of reflected light.
+    pub reflect: ReflectStage,
     /// What stops a shadow ray at once.
     pub shadow_admits: GeometryMask,
     /// How often a ray may reflect or refract.
@@ -34,11 +38,12 @@ pub struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     /// Nothing summed and nothing queued.
-    pub fn new(scene: &'a Scene, oliveira: Oliveira, shadow_admits: GeometryMask) -> Self {
+    pub fn new(scene: &'a Scene, options: &Options, shadow_admits: GeometryMask) -> Self {
         Self {
             scene,
             media: MediaTable::new(&scene.media),
-            oliveira,
+            oliveira: options.oliveira,
+            reflect: mirrored::pick(options.reflection, scene),
             shadow_admits,
             max_depth: scene.settings.max_depth as usize,
             cutoff: scene.settings.cutoff,

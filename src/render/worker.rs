@@ -64,7 +64,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         eye_media: &[u32],
         observer: &'a Observer,
     ) -> Self {
-        let mut shading = Shading::new(scene, options.oliveira, stages.shadow_admits);
+        let mut shading = Shading::new(scene, options, stages.shadow_admits);
         let eye_stack = shading.media.stack_of(eye_media);
         let bin = |object: &crate::scene::Object| bin_of(&scene.materials[object.material as usize]) as u8;
         Self {

@@ -21,7 +21,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::record::{Off, Recorder, Tree};
-use super::{Observer, Options, Outcome};
+use super::{Observer, Options, Outcome, Reflection};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::image::Film;
@@ -40,6 +40,7 @@ pub struct Prepared<'a> {
     fresnel: FresnelModel,
     refraction: RefractionModel,
     oliveira: Oliveira,
+    reflection: Reflection,
     /// What camera rays start in.
     stack: MediumStack,
 }
@@ -54,10 +55,10 @@ impl<'a> Prepared<'a> {
     /// Builds the hierarchy and finds the media around the eye.
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, refraction, oliveira, .. } = options;
+        let &Options { fresnel, refraction, oliveira, reflection, .. } = options;
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        Self { scene, accel, fresnel, refraction, oliveira, stack }
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, stack }
     }
 
     /// What was built.
@@ -140,14 +141,22 @@ struct Row {
 /// the picture cannot be had.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
     super::room::check(&scene.settings)?;
+    picture(&Prepared::with(scene, options), options, observer)
+}
+
+/// [`render`], of a scene that is ready; its own choice of formulas holds.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> Result<Outcome> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
-    let prepared = Prepared::with(scene, options);
-    let (width, height) = (scene.settings.width, scene.settings.height);
-    let rows: Vec<Row> = pool
-        .install(|| (0..height).into_par_iter().map(|y| row(&prepared, width, y, observer)).collect::<Result<_>>())?;
+    let settings = &prepared.scene.settings;
+    let (width, height) = (settings.width, settings.height);
+    let rows: Vec<Row> =
+        pool.install(|| (0..height).into_par_iter().map(|y| row(prepared, width, y, observer)).collect::<Result<_>>())?;
 
     let mut film = Film { width, height, pixels: Vec::new() };
     let mut truncated = Film { width, height, pixels: Vec::new() };

@@ -13,8 +13,8 @@ use crate::optics::{
     Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
     StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
 };
-use crate::render::RayKind;
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
+use crate::render::{RayKind, Reflection};
 use crate::scene::{Highlight, HighlightModel, Interface, Material, MirrorSource};
 
 /// Surfaces that are "not there" in a row, at most.
@@ -278,6 +278,21 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     }
 
     fn reflected(&mut self, at: &Arrival, share: DVec3) {
+        let weight = at.ray.weight * share;
+        match self.prepared.reflection {
+            Reflection::Traced => {}
+            Reflection::Environment => {
+                let seen = colour::of_environment(self.prepared.scene, at.mirrored());
+                self.add(at.ray.node, Source::MirroredEnvironment, weight * seen);
+                return;
+            }
+            Reflection::None => {
+                let cut = Cut { kind: RayKind::Reflected, weight, too_deep: false, too_light: false };
+                self.tally.truncated += weight;
+                self.note(at.ray.node, |event| event.cut.push(cut));
+                return;
+            }
+        }
         self.send(at, RayKind::Reflected, at.mirrored(), share, at.ray.stack.clone());
     }
 

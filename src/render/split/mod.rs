@@ -3,6 +3,7 @@
 mod dielectric;
 mod film;
 mod mirror;
+pub mod mirrored;
 
 use super::class::Class;
 use super::options::Options;
@@ -49,22 +50,10 @@ fn pick_for<F: FresnelFormula>(class: Class, scene: &Scene, options: &Options) -
     }
 }
 
-/// Sends reflected rays.
+/// Sees to reflected light in the way of this render.
 #[inline(always)]
 fn reflected(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
-    let dir = dir.normalized();
-    let new = Spawn8 {
-        origin: surface.above(),
-        dir,
-        t_max: F32x8::INFINITY,
-        admits: GeometryMask::ALL,
-        weight,
-        pixel: &surface.pixel,
-        stack: &surface.stack,
-        lead: surface.lead(dir),
-        passes: &[0; 8],
-    };
-    shading.spawn(lanes, &new, RayKind::Reflected, depth);
+    (shading.reflect)(shading, surface, lanes, dir, weight, depth);
 }
 
 /// Sends rays on as they came.
