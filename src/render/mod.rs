@@ -9,6 +9,7 @@ mod accumulate;
 mod base;
 mod camera;
 mod class;
+mod extent;
 mod eye;
 mod lamp;
 mod light;
@@ -17,6 +18,7 @@ mod media;
 mod medium;
 mod options;
 mod outcome;
+mod pattern;
 mod queue;
 pub mod record;
 pub mod reference;
@@ -24,6 +26,7 @@ mod room;
 mod shading;
 mod shadow;
 mod sky;
+mod soft;
 mod split;
 mod stages;
 mod surface;
@@ -33,6 +36,7 @@ mod worker;
 
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind};
+pub use pattern::FilmRay;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -4,9 +4,12 @@ use super::accumulate::Accumulator;
 use super::media::{MediaTable, StackId};
 use super::options::Options;
 use super::outcome::{RayCounts, RayKind};
+use super::pattern::LampPoints;
 use super::queue::{Queue, Rgb8, Spawn8};
+use super::soft::Probes;
 use super::split::mirrored::{self, ReflectStage};
 use super::surface::Surface8;
+use super::tile::Tile;
 use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{Oliveira, transmittance};
@@ -34,6 +37,12 @@ pub struct Shading<'a> {
     /// By depth; reflected and transmitted rays apart, since they part ways.
     queues: Vec<[Queue; 2]>,
     pub shadows: Queue,
+    /// Where lamps with an extent are sampled.
+    pub points: LampPoints,
+    pub probes: Probes,
+    /// The tile whose pixels these are, and which of their camera rays is under way.
+    pub tile: Tile,
+    pub sample: u32,
 }
 
 impl<'a> Shading<'a> {
@@ -52,7 +61,17 @@ impl<'a> Shading<'a> {
             unmatched_exits: 0,
             queues: Vec::new(),
             shadows: Queue::default(),
+            points: LampPoints::new(&scene.settings.lamps),
+            probes: Probes::default(),
+            tile: Tile { x: 0, y: 0, width: 1, height: 1 },
+            sample: 0,
         }
+    }
+
+    /// Column and row in the picture of a pixel of the tile.
+    #[inline]
+    pub fn film_pixel(&self, pixel: u32) -> [u32; 2] {
+        [self.tile.x + pixel % self.tile.width, self.tile.y + pixel / self.tile.width]
     }
 
     /// The queue for rays of one kind at one depth.

@@ -10,12 +10,13 @@ use super::light::{self, LightStage};
 use super::medium::{self, MediumStage};
 use super::options::Options;
 use super::sky::{self, MissStage};
+use super::soft::{self, SoftStages};
 use super::split::{self, SplitStage};
 use super::surface::{self, GatherStage, Shapes};
 use super::through::{self, FinishStage, PassStage};
 use crate::geometry::GeometryMask;
 use crate::optics::RefractionModel;
-use crate::scene::{Colour, Light, Material, Rgb, Scene, ShadowRule};
+use crate::scene::{Colour, Material, Rgb, Scene, ShadowRule};
 
 /// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
 /// surfaces stay in the first-level cache.
@@ -49,6 +50,8 @@ pub struct BinStages {
     pub base: Option<BaseStage>,
     /// Lights that bases answer to, by their numbers in the scene.
     pub lights: Vec<(usize, LightStage)>,
+    /// Those of them that have an extent.
+    pub lamps: Vec<(usize, SoftStages)>,
 }
 
 /// The stages of shadow rays that pass through transmissive surfaces.
@@ -96,20 +99,21 @@ impl BinStages {
             return None;
         }
         let split = split::pick(class_of(bin), scene, options);
-        let (mut base, mut lights) = (None, Vec::new());
+        let (mut base, mut lights, mut lamps) = (None, Vec::new(), Vec::new());
         if bin_has_base(bin) {
             let any = |of: fn(&Material) -> bool| materials.iter().any(|m| of(m));
             let textured = any(|m| !matches!(m.diffuse, Colour::Constant(_)));
             let shiny = any(|m| m.highlight.is_some());
             let glowing = materials.iter().any(|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
             if any(base::answers_light) {
-                let stage = |light: &Light| light::pick(light, shiny, light.shadows);
-                lights = scene.lights.iter().map(stage).enumerate().collect();
+                let all = || scene.lights.iter().enumerate();
+                lights = all().filter_map(|(i, l)| Some((i, light::pick(l, shiny, l.shadows)?))).collect();
+                lamps = all().filter_map(|(i, l)| Some((i, soft::pick(l, shiny, &scene.settings.lamps)?))).collect();
             }
-            base = (glowing || !lights.is_empty()).then(|| base::pick(textured, shiny, glowing));
+            base = (glowing || !lights.is_empty() || !lamps.is_empty()).then(|| base::pick(textured, shiny, glowing));
         }
         let gather = surface::pick(shapes(scene, here));
-        (split.is_some() || base.is_some()).then_some(Self { gather, split, base, lights })
+        (split.is_some() || base.is_some()).then_some(Self { gather, split, base, lights, lamps })
     }
 }
 

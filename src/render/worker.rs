@@ -8,8 +8,9 @@ use super::class::{BINS, bin_of};
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::RayKind;
-use super::queue::{Chunk, State8};
+use super::queue::{Chunk, Rgb8, State8};
 use super::shading::Shading;
+use super::soft::{SoftStage, SoftStages};
 use super::split::lane_bits;
 use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
@@ -46,10 +47,14 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) bases: Vec<super::base::Base8>,
     pub(super) shadow_chunk: Chunk,
     pub(super) shadow_hits: Vec<Hit8>,
+    /// What shadow rays pass through; those they were sent from are still in `surfaces`.
+    pub(super) shadow_surfaces: Vec<Surface8>,
     /// Lengths of the shadow rays, while they are cut short of their lamps.
     pub(super) shadow_ends: Vec<F32x8>,
     pub(super) shadow_refs: Vec<HitRef>,
     pub(super) blocked: Vec<Mask8>,
+    /// Weights of shadow rays that are asked first, as they set out.
+    pub(super) shadow_weights: Vec<Rgb8>,
     /// Lanes of shadow packets whose light arrives.
     pub(super) arrived: Vec<u8>,
 }
@@ -84,9 +89,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
             bases: Vec::new(),
             shadow_chunk: Chunk::default(),
             shadow_hits: Vec::new(),
+            shadow_surfaces: Vec::new(),
             shadow_ends: Vec::new(),
             shadow_refs: Vec::new(),
             blocked: Vec::new(),
+            shadow_weights: Vec::new(),
             arrived: Vec::new(),
         }
     }
@@ -97,8 +104,10 @@ impl<'a, I: Intersector> Worker<'a, I> {
     /// [`Error::Interrupted`] once the observer says stop.
     pub fn tile(&mut self, tile: &Tile) -> Result<()> {
         self.shading.accumulator.reset(tile.pixels());
+        self.shading.tile = *tile;
         let n = self.shading.scene.settings.samples;
         for sample in 0..n * n {
+            self.shading.sample = sample;
             let mut chunk = std::mem::take(&mut self.chunk);
             chunk.clear();
             self.camera_rays(tile, sample % n, sample / n, &mut chunk);
@@ -179,8 +188,33 @@ impl<'a, I: Intersector> Worker<'a, I> {
         for &(light, shine) in &stages.lights {
             shine(&mut self.shading, light, &self.surfaces, &self.bases);
         }
+        for &(lamp, soft) in &stages.lamps {
+            self.shine_softly(lamp, &soft, depth, coherence);
+        }
         if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
             self.flush_shadows(depth, coherence);
+        }
+    }
+
+    /// Adds the light of a lamp with an extent to the surfaces of a stream, but for what waits in the shadow queue.
+    fn shine_softly(&mut self, lamp: usize, soft: &SoftStages, depth: usize, coherence: Coherence) {
+        let bases = self.bases.len();
+        for part in (0..bases).step_by(soft.surfaces).map(|from| from..bases.min(from + soft.surfaces)) {
+            let run = |worker: &mut Self, stage: SoftStage| {
+                stage(&mut worker.shading, lamp, &worker.surfaces[part.clone()], &worker.bases[part.clone()], depth);
+            };
+            if !soft.shadows {
+                run(self, soft.open);
+                continue;
+            }
+            run(self, soft.ask);
+            if !self.shading.probes.queue.is_empty() {
+                self.answer_probes(depth, coherence);
+                run(self, soft.settle);
+            }
+            if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
+                self.flush_shadows(depth, coherence);
+            }
         }
     }
 

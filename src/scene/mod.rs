@@ -9,9 +9,9 @@ mod texture;
 
 pub use camera::{Camera, Projection};
 pub use environment::Environment;
-pub use light::{Falloff, Light, LightKind};
+pub use light::{Falloff, Light, LightKind, Spread};
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
-pub use settings::{Settings, ShadowRule};
+pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
 
 use crate::geometry::{Geometry, Shape};

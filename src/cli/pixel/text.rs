@@ -205,6 +205,8 @@ fn remarks(findings: &Findings, row: &Row) -> Vec<String> {
             LightKind::Point { .. } => "point",
             LightKind::Spot { .. } => "spot",
             LightKind::Directional { .. } => "directional",
+            LightKind::Sphere { .. } => "sphere",
+            LightKind::Rectangle { .. } => "rectangle",
         };
         let name = format!("light {} ({kind})", light + 1);
         if let Some(blocker) = share.blocker {

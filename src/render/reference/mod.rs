@@ -20,8 +20,9 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{Observer, Options, Outcome, Reflection};
+use super::{FilmRay, Observer, Options, Outcome, Reflection};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::image::Film;
@@ -43,6 +44,8 @@ pub struct Prepared<'a> {
     reflection: Reflection,
     /// What camera rays start in.
     stack: MediumStack,
+    /// Where lamps with an extent are sampled.
+    points: LampPoints,
 }
 
 impl<'a> Prepared<'a> {
@@ -58,7 +61,8 @@ impl<'a> Prepared<'a> {
         let &Options { fresnel, refraction, oliveira, reflection, .. } = options;
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        Self { scene, accel, fresnel, refraction, oliveira, reflection, stack }
+        let points = LampPoints::new(&scene.settings.lamps);
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, stack, points }
     }
 
     /// What was built.
@@ -78,7 +82,7 @@ impl<'a> Prepared<'a> {
     #[must_use]
     pub fn radiance_at(&self, x: f64, y: f64) -> [f64; 3] {
         let (origin, dir) = self.camera_ray(x, y);
-        self.radiance_along(origin, dir)
+        self.trace_for(film_ray(x, y), origin, dir).radiance.to_array()
     }
 
     /// Radiance that arrives at `origin` from `dir` (of unit length), by one ray of depth 0 that starts in the medium
@@ -91,7 +95,13 @@ impl<'a> Prepared<'a> {
     /// [`Prepared::radiance_along`] with all that is counted on the way.
     #[must_use]
     pub fn trace(&self, origin: DVec3, dir: DVec3) -> Tally {
-        Tracer::trace(self, origin, dir, &mut Off)
+        self.trace_for(FilmRay::default(), origin, dir)
+    }
+
+    /// [`Prepared::trace`] with lamps sampled as for that ray of the film.
+    #[must_use]
+    pub fn trace_for(&self, film: FilmRay, origin: DVec3, dir: DVec3) -> Tally {
+        Tracer::trace(self, film, origin, dir, &mut Off)
     }
 
     /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
@@ -111,7 +121,8 @@ impl<'a> Prepared<'a> {
         for j in 0..n {
             for i in 0..n {
                 let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
-                mean.merge(&Tracer::trace(self, origin, dir, record), share);
+                let film = FilmRay { pixel: [column, row], sample: j * n + i };
+                mean.merge(&Tracer::trace(self, film, origin, dir, record), share);
             }
         }
         mean
@@ -124,6 +135,11 @@ impl<'a> Prepared<'a> {
     fn ior(&self, medium: u32) -> f64 {
         self.scene.media[medium as usize].ior
     }
+}
+
+/// The first ray of the pixel in which a point of the film lies.
+fn film_ray(x: f64, y: f64) -> FilmRay {
+    FilmRay { pixel: [x, y].map(|at| at.floor().max(0.0) as u32), sample: 0 }
 }
 
 /// One row of the picture.

@@ -14,8 +14,8 @@ use crate::optics::{
     StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
 };
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
-use crate::render::{RayKind, Reflection};
-use crate::scene::{Highlight, HighlightModel, Interface, Material, MirrorSource};
+use crate::render::{FilmRay, RayKind, Reflection};
+use crate::scene::{Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
 
 /// Surfaces that are "not there" in a row, at most.
 const PASSED_AT_MOST: u32 = 256;
@@ -47,18 +47,35 @@ struct Arrival<'a> {
     cos_i: f64,
 }
 
+/// What a light, or some points of it, added.
+#[derive(Clone, Copy)]
+struct Lit {
+    /// From the first of the points.
+    arriving: Arriving,
+    unshadowed: DVec3,
+    radiance: DVec3,
+}
+
+impl Lit {
+    fn and(self, o: Self) -> Self {
+        Self { unshadowed: self.unshadowed + o.unshadowed, radiance: self.radiance + o.radiance, ..self }
+    }
+}
+
 /// Traces depth first: what a ray sends out waits on a list instead of on the call stack, which a scene's depth limit
 /// could exhaust.
 pub(super) struct Tracer<'a, 'r, L: Recorder> {
     prepared: &'a Prepared<'a>,
+    /// Whose camera ray it is.
+    film: FilmRay,
     tally: Tally,
     pending: Vec<Pending>,
     record: &'r mut L,
 }
 
 impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
-    /// All that comes of a camera ray.
-    pub fn trace(prepared: &'a Prepared<'a>, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
+    /// All that comes of a camera ray, sampled as that ray of the film is.
+    pub fn trace(prepared: &'a Prepared<'a>, film: FilmRay, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
         let mut camera_ray = Pending {
             origin,
             dir,
@@ -70,7 +87,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
-        let mut tracer = Self { prepared, tally: Tally::default(), pending: vec![camera_ray], record };
+        let mut tracer = Self { prepared, film, tally: Tally::default(), pending: vec![camera_ray], record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
@@ -332,29 +349,46 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
         let albedo = colour::on_surface(scene, &material.diffuse, at.surface.point, at.surface.uv);
         for (number, light) in scene.lights.iter().enumerate() {
-            let arriving = Arriving::at(light, at.surface.point);
-            let cos_theta = arriving.towards.dot(at.shading);
-            if cos_theta <= 0.0 || arriving.towards.dot(at.geometric) <= 0.0 {
-                continue;
+            let points = &self.prepared.points;
+            let count = if light.kind.is_extended() { points.count() } else { 1 };
+            let by = points.scramble(self.film.pixel, at.ray.depth, number as u32);
+            let mut sum: Option<Lit> = None;
+            for i in 0..count {
+                let of = points.point(by, self.film.sample, i).map(f64::from);
+                if let Some(lit) = self.lit(at, light, of, albedo, weight / f64::from(count)) {
+                    sum = Some(sum.map_or(lit, |sum| sum.and(lit)));
+                }
             }
-            let lobe = material.highlight.map_or(DVec3::ZERO, |h| highlight(&h, at, arriving.towards));
-            let sent = albedo * arriving.diffuse * cos_theta + lobe * arriving.highlight;
-            if weight * sent == DVec3::ZERO {
-                continue;
+            if let Some(lit) = sum {
+                self.write_down(at, number, &lit);
             }
-            let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
-            let radiance = weight * sent * let_through;
-            self.tally.add(radiance);
-            self.lit(at, number, &arriving, weight * sent, radiance);
         }
     }
 
+    /// Adds what the surface sends of the light from a point of a lamp; none where it sends none.
+    fn lit(&mut self, at: &Arrival, light: &Light, of: [f64; 2], albedo: DVec3, weight: DVec3) -> Option<Lit> {
+        let arriving = Arriving::at(light, at.surface.point, of);
+        let cos_theta = arriving.towards.dot(at.shading);
+        if cos_theta <= 0.0 || arriving.towards.dot(at.geometric) <= 0.0 {
+            return None;
+        }
+        let lobe = at.material.highlight.map_or(DVec3::ZERO, |h| highlight(&h, at, arriving.towards));
+        let sent = albedo * arriving.diffuse * cos_theta + lobe * arriving.highlight;
+        if weight * sent == DVec3::ZERO {
+            return None;
+        }
+        let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
+        let radiance = weight * sent * let_through;
+        self.tally.add(radiance);
+        Some(Lit { arriving, unshadowed: weight * sent, radiance })
+    }
+
     /// Writes down what a light added, and what was in its way.
-    fn lit(&mut self, at: &Arrival, light: usize, arriving: &Arriving, unshadowed: DVec3, radiance: DVec3) {
+    fn write_down(&mut self, at: &Arrival, light: usize, lit: &Lit) {
         let prepared = self.prepared;
         self.note(at.ray.node, |event| {
-            let shadow =
-                Ray64 { t_max: arriving.distance, ..Ray64::new(at.surface.start(arriving.towards), arriving.towards) };
+            let &Lit { arriving: Arriving { towards, distance, .. }, unshadowed, radiance } = lit;
+            let shadow = Ray64 { t_max: distance, ..Ray64::new(at.surface.start(towards), towards) };
             let dark = radiance == DVec3::ZERO;
             let blocker = dark.then(|| blocker(prepared, &shadow)).flatten();
             event.shares.push(Share { source: Source::Light(light as u32), unshadowed, radiance, blocker });
