@@ -62,6 +62,7 @@ pub(super) struct Overrides {
     depth: Option<u32>,
     cutoff: Option<f32>,
     shadows: Option<ShadowRule>,
+    wavelengths: Option<u32>,
 }
 
 impl Overrides {
@@ -76,6 +77,7 @@ impl Overrides {
         settings.max_depth = self.depth.unwrap_or(settings.max_depth);
         settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
         settings.shadows = self.shadows.unwrap_or(settings.shadows);
+        settings.wavelengths = self.wavelengths.unwrap_or(settings.wavelengths);
         refuse_large(settings)
     }
 }
@@ -126,6 +128,7 @@ impl TryFrom<RenderArgs> for Render {
                 samples: args.samples,
                 depth: args.depth,
                 cutoff: args.cutoff,
+                wavelengths: args.wavelengths,
                 shadows: args.shadows.map(Into::into),
             },
             backend,
@@ -133,6 +136,7 @@ impl TryFrom<RenderArgs> for Render {
                 fresnel: args.fresnel.into(),
                 refraction: args.refraction.into(),
                 oliveira: oliveira(args.refraction, args.oliveira)?,
+                dispersion: true,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },

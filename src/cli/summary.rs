@@ -55,6 +55,7 @@ struct Picture {
     samples: u32,
     depth: u32,
     cutoff: f32,
+    wavelengths: u32,
     fresnel: &'static str,
     refraction: String,
     shadows: &'static str,
@@ -130,7 +131,8 @@ impl Truncated {
     fn of(weights: &Film) -> Self {
         let (mut sum, mut max, mut pixels) = (0.0, 0.0_f32, 0);
         for &[r, g, b] in &weights.pixels {
-            let weight = r.max(g).max(b);
+            // Of a wavelength, a channel may weigh less than nothing.
+            let weight = r.abs().max(g.abs()).max(b.abs());
             sum += f64::from(weight);
             max = max.max(weight);
             pixels += u64::from(weight > 0.0);
@@ -159,6 +161,7 @@ impl Summary {
                 samples: settings.samples,
                 depth: settings.max_depth,
                 cutoff: settings.cutoff,
+                wavelengths: settings.wavelengths,
                 fresnel: fresnel_name(job.options.fresnel),
                 refraction: refraction_name(&job.options),
                 shadows: shadows_name(settings.shadows),

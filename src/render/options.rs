@@ -13,6 +13,8 @@ pub struct Options {
     pub refraction: RefractionModel,
     /// The constant of [`RefractionModel::Oliveira`]; no other formula looks at it.
     pub oliveira: Oliveira,
+    /// Whether media disperse light; if not, each has one index, that at the line d.
+    pub dispersion: bool,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
     /// Edge of a square tile in pixels, at least 1.
@@ -25,6 +27,7 @@ impl Default for Options {
             fresnel: FresnelModel::Exact,
             refraction: RefractionModel::Stable,
             oliveira: Oliveira::GLASS,
+            dispersion: true,
             threads: 0,
             tile: 32,
         }

@@ -15,11 +15,21 @@ pub struct Settings {
     pub cutoff: f32,
     /// What transparent surfaces do to shadows.
     pub shadows: ShadowRule,
+    /// Wavelengths that a white ray divides into where a medium disperses it, at least 7; fewer count as 7.
+    pub wavelengths: u32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { width: 640, height: 480, samples: 1, max_depth: 16, cutoff: 1.0 / 1024.0, shadows: ShadowRule::Straight }
+        Self {
+            width: 640,
+            height: 480,
+            samples: 1,
+            max_depth: 16,
+            cutoff: 1.0 / 1024.0,
+            shadows: ShadowRule::Straight,
+            wavelengths: 12,
+        }
     }
 }
 
