@@ -229,6 +229,7 @@ fn a_png_says_what_decided_its_pixels_and_nothing_else() {
         "samples",
         "depth",
         "cutoff",
+        "wavelengths",
         "fresnel",
         "refraction",
         "reflection",

@@ -95,6 +95,10 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WEIGHT", value_parser = cutoff, allow_negative_numbers = true, help_heading = "Light")]
     pub cutoff: Option<f32>,
 
+    /// Wavelengths that white light divides into where a medium disperses it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(7..=64), help_heading = "Light")]
+    pub wavelengths: Option<u32>,
+
     /// Formula that splits light at a surface [default: exact]
     #[arg(long, value_enum, help_heading = "Light")]
     pub fresnel: Option<FresnelArg>,

@@ -22,6 +22,7 @@ pub(super) fn of(
         ("vitrum:samples", settings.samples.to_string()),
         ("vitrum:depth", settings.max_depth.to_string()),
         ("vitrum:cutoff", settings.cutoff.to_string()),
+        ("vitrum:wavelengths", settings.wavelengths.to_string()),
         ("vitrum:fresnel", fresnel_name(options.fresnel).into()),
         ("vitrum:refraction", refraction_name(options)),
         ("vitrum:reflection", reflection_name(options.reflection).into()),

@@ -72,6 +72,7 @@ pub(super) struct Overrides {
     depth: Option<u32>,
     cutoff: Option<f32>,
     shadows: Option<ShadowRule>,
+    wavelengths: Option<u32>,
 }
 
 impl Overrides {
@@ -86,6 +87,7 @@ impl Overrides {
         settings.max_depth = self.depth.unwrap_or(settings.max_depth);
         settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
         settings.shadows = self.shadows.unwrap_or(settings.shadows);
+        settings.wavelengths = self.wavelengths.unwrap_or(settings.wavelengths);
         refuse_large(settings)
     }
 }
@@ -152,6 +154,7 @@ impl TryFrom<RenderArgs> for Render {
                 samples: args.samples,
                 depth: args.depth,
                 cutoff: args.cutoff,
+                wavelengths: args.wavelengths,
                 shadows: args.shadows.map(Into::into),
             },
             spheres: args.spheres.unwrap_or(Spheres::Exact),
@@ -167,6 +170,7 @@ impl TryFrom<RenderArgs> for Render {
                     Some(ReflectionArg::Environment) => render::Reflection::Environment,
                     Some(ReflectionArg::None) => render::Reflection::None,
                 },
+                dispersion: true,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },

@@ -60,6 +60,7 @@ struct Picture {
     samples: u32,
     depth: u32,
     cutoff: f32,
+    wavelengths: u32,
     fresnel: &'static str,
     refraction: String,
     reflection: &'static str,
@@ -136,7 +137,8 @@ impl Truncated {
     fn of(weights: &Film) -> Self {
         let (mut sum, mut max, mut pixels) = (0.0, 0.0_f32, 0);
         for &[r, g, b] in &weights.pixels {
-            let weight = r.max(g).max(b);
+            // Of a wavelength, a channel may weigh less than nothing.
+            let weight = r.abs().max(g.abs()).max(b.abs());
             sum += f64::from(weight);
             max = max.max(weight);
             pixels += u64::from(weight > 0.0);
@@ -165,6 +167,7 @@ impl<'a> Summary<'a> {
                 samples: settings.samples,
                 depth: settings.max_depth,
                 cutoff: settings.cutoff,
+                wavelengths: settings.wavelengths,
                 fresnel: fresnel_name(job.options.fresnel),
                 refraction: refraction_name(&job.options),
                 reflection: reflection_name(job.options.reflection),

@@ -27,6 +27,8 @@ pub struct Options {
     pub oliveira: Oliveira,
     /// What becomes of reflected light.
     pub reflection: Reflection,
+    /// Whether media disperse light; if not, each has one index, that at the line d.
+    pub dispersion: bool,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
     /// Edge of a square tile in pixels, at least 1.
@@ -40,6 +42,7 @@ impl Default for Options {
             refraction: RefractionModel::Stable,
             oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
+            dispersion: true,
             threads: 0,
             tile: 32,
         }

@@ -12,8 +12,8 @@ use super::surface::Surface8;
 use super::tile::Tile;
 use crate::geometry::GeometryMask;
 use crate::math::Real;
-use crate::optics::{Oliveira, transmittance};
-use crate::scene::{Interface, Rgb, Scene};
+use crate::optics::{Oliveira, Spectrum, transmittance};
+use crate::scene::{Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
 /// Everything a stage reads and writes, kept from tile to tile.
@@ -48,9 +48,15 @@ pub struct Shading<'a> {
 impl<'a> Shading<'a> {
     /// Nothing summed and nothing queued.
     pub fn new(scene: &'a Scene, options: &Options, shadow_admits: GeometryMask) -> Self {
+        let settings = &scene.settings;
+        let media = if disperses(scene, options) {
+            MediaTable::dispersing(&scene.media, Spectrum::new(settings.wavelengths, settings.samples))
+        } else {
+            MediaTable::new(&scene.media)
+        };
         Self {
             scene,
-            media: MediaTable::new(&scene.media),
+            media,
             oliveira: options.oliveira,
             reflect: mirrored::pick(options.reflection, scene),
             shadow_admits,
@@ -97,7 +103,8 @@ impl<'a> Shading<'a> {
 
     /// Queues secondary rays of a hit at `depth`, but for those that the depth limit or the cut-off ends.
     pub fn spawn(&mut self, lanes: u8, new: &Spawn8, kind: RayKind, depth: usize) {
-        let heaviest = new.weight.max_component();
+        // Of a wavelength, a channel may weigh less than nothing.
+        let heaviest = new.weight.abs().max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
         let too_deep = depth >= self.max_depth;
         // A NaN weight compares false and lives on, to be counted where it lands.
@@ -137,4 +144,10 @@ impl<'a> Shading<'a> {
         }
         any.then(|| transmittance(coefficient, t))
     }
+}
+
+/// Whether white light divides into wavelengths anywhere.
+#[must_use]
+pub fn disperses(scene: &Scene, options: &Options) -> bool {
+    options.dispersion && scene.media.iter().any(Medium::disperses)
 }

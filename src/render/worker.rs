@@ -36,6 +36,7 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) observer: &'a Observer,
     lens: Lens,
     eye_stack: StackId,
+    eye_media: &'a [u32],
     /// By object.
     pub(super) bin_of: Vec<u8>,
 
@@ -66,7 +67,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         accel: &'a I,
         stages: &'a Stages,
         options: &Options,
-        eye_media: &[u32],
+        eye_media: &'a [u32],
         observer: &'a Observer,
     ) -> Self {
         let mut shading = Shading::new(scene, options, stages.shadow_admits);
@@ -80,6 +81,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             observer,
             lens: Lens::new(&scene.camera, scene.settings.width, scene.settings.height),
             eye_stack,
+            eye_media,
             bin_of: scene.objects.iter().map(bin).collect(),
             chunk: Chunk::default(),
             hits: Vec::new(),
@@ -107,7 +109,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.shading.tile = *tile;
         let n = self.shading.scene.settings.samples;
         for sample in 0..n * n {
-            self.shading.sample = sample;
+            self.begin(sample);
             let mut chunk = std::mem::take(&mut self.chunk);
             chunk.clear();
             self.camera_rays(tile, sample % n, sample / n, &mut chunk);
@@ -120,6 +122,13 @@ impl<'a, I: Intersector> Worker<'a, I> {
             self.chunk = chunk;
         }
         Ok(())
+    }
+
+    /// Makes ready for the pixels' rays of one number.
+    pub(super) fn begin(&mut self, sample: u32) {
+        self.shading.sample = sample;
+        self.shading.media.begin_sample(sample);
+        self.eye_stack = self.shading.media.stack_of(self.eye_media);
     }
 
     /// Fills the chunk with one camera ray for each pixel of the tile: packets of 4 by 2 pixels, in blocks of 8 by 8.

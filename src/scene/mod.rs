@@ -1,6 +1,7 @@
 //! What is to be pictured: plain data, joined by indices.
 
 mod camera;
+mod dispersion;
 mod environment;
 mod light;
 mod material;
@@ -8,6 +9,7 @@ mod settings;
 mod texture;
 
 pub use camera::{Camera, Projection};
+pub use dispersion::Dispersion;
 pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind, Spread};
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};

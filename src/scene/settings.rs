@@ -17,6 +17,8 @@ pub struct Settings {
     pub shadows: ShadowRule,
     /// How lamps with an extent are sampled.
     pub lamps: LampSampling,
+    /// Wavelengths that a white ray divides into where a medium disperses it, at least 7; fewer count as 7.
+    pub wavelengths: u32,
 }
 
 impl Default for Settings {
@@ -29,6 +31,7 @@ impl Default for Settings {
             cutoff: 1.0 / 1024.0,
             shadows: ShadowRule::Straight,
             lamps: LampSampling::default(),
+            wavelengths: 12,
         }
     }
 }

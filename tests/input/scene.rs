@@ -290,3 +290,49 @@ fn errors_are_of_the_kind_their_exit_code_says() {
     assert!(matches!(obj(""), Err(Error::File { .. })));
     assert!(matches!(toml("[camera]\nfov = 0\n"), Err(Error::Input { line: 2, column: Some(7), .. })));
 }
+
+fn dielectric(keys: &str) -> vitrum::Result<Loaded> {
+    toml(&format!("[[material]]\nname = 'a'\ntype = 'dielectric'\n{keys}\n"))
+}
+
+#[test]
+fn curves_of_the_index_are_read_in_each_of_their_forms() {
+    let medium = |keys: &str| dielectric(keys).unwrap_or_else(|e| panic!("{keys}: {e}")).scene.media[1].clone();
+    assert_eq!(medium("glass = 'bk7'").dispersion, Dispersion::None, "a name alone asks for no dispersion");
+    assert_eq!(medium("glass = 'bk7'").ior, 1.5168);
+    let bk7 = medium("glass = 'bk7'\ndispersion = true");
+    assert!((bk7.ior - 1.5168).abs() < 1e-6 && bk7.index_at(486.1327) > 1.522);
+    let abbe = medium("ior = 1.5\nabbe = 50");
+    assert_eq!(abbe.ior, 1.5);
+    let spread = abbe.index_at(486.1327) - abbe.index_at(656.2725);
+    assert!((spread - 0.01).abs() < 1e-12, "(n_d - 1) / V_d");
+    let cauchy = medium("cauchy = [1.5, 0.004]");
+    assert_eq!(cauchy.dispersion, Dispersion::Cauchy([1.5, 0.004, 0.0]));
+    assert!((cauchy.ior - (1.5 + 0.004 / 0.587_561_8_f64.powi(2))).abs() < 1e-12);
+    let sellmeier = medium("sellmeier = [[1.2, 0.01]]");
+    assert!((sellmeier.ior - (1.0 + 1.2 / (1.0 - 0.01 / 0.587_561_8_f64.powi(2))).sqrt()).abs() < 1e-12);
+    for off in ["glass = 'bk7'\ndispersion = false", "ior = 1.5\nabbe = 50\ndispersion = false", "cauchy = [1.5, 0]"] {
+        assert_eq!(medium(off).dispersion, Dispersion::None, "{off}");
+    }
+    assert_eq!(toml("[render]\nwavelengths = 24\n").unwrap().scene.settings.wavelengths, 24);
+}
+
+#[test]
+fn curves_of_the_index_that_cannot_be_are_refused() {
+    for (keys, line, parts) in [
+        ("ior = 1.5\ndispersion = true", 5, ["`ior` alone", "`abbe`"]),
+        ("glass = 'amber'\ndispersion = true", 4, ["`amber`", "`abbe`"]),
+        ("ior = 1.5\nabbe = 0", 5, ["`abbe` is 0", "5 to 1000"]),
+        ("ior = 1.5\ncauchy = [1.5, 0.004]", 4, ["`cauchy`", "leave `ior` out"]),
+        ("cauchy = [1.5, 0.004]\nsellmeier = [[1, 0.01]]", 5, ["`cauchy`", "not both"]),
+        ("cauchy = [1.5]", 4, ["`cauchy` is [A, B]", "1"]),
+        ("sellmeier = []", 4, ["one to four", "0"]),
+        ("sellmeier = [[1, 0.2]]", 4, ["`sellmeier` makes the index", "nm"]),
+        ("cauchy = [1.5, -0.004]", 4, ["rise", "nm"]),
+        ("cauchy = [1.5, 1e9]", 4, ["between 0.001 and 1000", "385 nm"]),
+    ] {
+        refused(dielectric(keys), 2, &[&format!("a.toml:{line}:"), parts[0], parts[1]]);
+    }
+    refused(toml("[[material]]\nname = 'a'\ntype = 'thin'\nglass = 'bk7'\ndispersion = true\n"), 2, &["`dispersion`"]);
+    refused(wrong("render", "wavelengths = 6"), 2, &["a.toml:2:15:", "7 to 64"]);
+}

@@ -5,7 +5,8 @@ use vitrum::geometry::{GeometryMask, Shape, Sphere, TriMesh};
 use vitrum::optics::{FresnelModel, Oliveira, RefractionModel};
 use vitrum::render::Reflection;
 use vitrum::scene::{
-    Colour, Falloff, FresnelRule, Interface, Light, LightKind, Material, Medium, MirrorSource, Rgb, ShadowRule, Texture,
+    Colour, Dispersion, Falloff, FresnelRule, Interface, Light, LightKind, Material, Medium, MirrorSource, Rgb,
+    ShadowRule, Texture,
 };
 use vitrum::study::{Level, Precision, Spheres};
 
@@ -30,7 +31,13 @@ pub fn sea(n1: f64, n2: f64, theta: f64, rule: FresnelRule) -> Small {
     let eye = Vec3::new(theta.sin() as f32, theta.cos() as f32, 0.0) * 4.0;
     let mut small = Small::new(eye, 1.0);
     small.scene.media[0].ior = n1;
-    small.scene.media.push(Medium { name: "sea".into(), ior: n2, absorption: Rgb::ONE, priority: 0 });
+    small.scene.media.push(Medium {
+        name: "sea".into(),
+        ior: n2,
+        absorption: Rgb::ONE,
+        priority: 0,
+        dispersion: Dispersion::None,
+    });
     let interface = Interface::Dielectric { medium: 1, rule, tint: Rgb::ONE };
     small.with(plane(0.0, Vec3::Y), GeometryMask::TRANSMISSIVE, Material { interface, ..Material::black("sea") })
 }
@@ -148,7 +155,13 @@ fn f32_differs_from_f64_by_roundings_and_no_more() {
     let mut small = Small::new(Vec3::new(1.0, 2.0, 3.0), 0.0).size(24);
     small.scene.environment =
         vitrum::scene::Environment::Gradient { nadir: Rgb::ZERO, horizon: Rgb::splat(0.3), zenith: Rgb::ONE };
-    small.scene.media.push(Medium { name: "glass".into(), ior: 1.5, absorption: Rgb::ZERO, priority: 0 });
+    small.scene.media.push(Medium {
+        name: "glass".into(),
+        ior: 1.5,
+        absorption: Rgb::ZERO,
+        priority: 0,
+        dispersion: Dispersion::None,
+    });
     let interface = Interface::Dielectric { medium: 1, rule: FresnelRule::Fresnel, tint: Rgb::ONE };
     // Larger than the picture, so that no pixel is at its edge.
     let ball = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 2.0 });

@@ -56,6 +56,7 @@ impl TryFrom<PixelArgs> for Pixel {
                 samples: args.samples,
                 depth: args.depth,
                 cutoff: args.cutoff,
+                wavelengths: args.wavelengths,
                 shadows: args.shadows.map(Into::into),
             },
             backend,

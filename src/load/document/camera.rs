@@ -2,11 +2,15 @@
 
 use super::table::{Table, Value};
 use crate::load::LoadOptions;
+use crate::optics::FEWEST_BANDS;
 use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
 
 /// Most points on a lamp: beyond them nobody sees a difference.
 const MOST_LIGHT_SAMPLES: u32 = 4096;
+
+/// Most wavelengths of a render: beyond them nobody sees a difference.
+const MOST_WAVELENGTHS: u32 = 64;
 
 /// How near to parallel `up` and the view may be: the sine of the angle between them.
 const LEAST_SINE: f64 = 1e-4;
@@ -61,6 +65,7 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
             v.choice(&[("straight", ShadowRule::Straight), ("opaque", ShadowRule::Opaque)])
         })?,
         lamps: lamps(table, default.lamps)?,
+        wavelengths: table.or("wavelengths", default.wavelengths, |v| v.whole(FEWEST_BANDS..=MOST_WAVELENGTHS))?,
     };
     table.finish()?;
     let pixels = u64::from(settings.width) * u64::from(settings.height);

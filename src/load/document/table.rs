@@ -139,6 +139,11 @@ pub(super) struct Value<'d> {
 }
 
 impl<'d> Value<'d> {
+    /// The key it stands at.
+    pub(super) fn key(&self) -> &str {
+        &self.key
+    }
+
     pub(super) fn span(&self) -> Span {
         self.value.span()
     }

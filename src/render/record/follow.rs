@@ -52,7 +52,8 @@ pub fn record<I: Intersector>(worker: &mut Worker<I>, tile: &Tile) -> Result<Tre
     let n = worker.shading.scene.settings.samples;
     for sample in 0..n * n {
         let mut chunk = Chunk::default();
-        (worker.shading.tile, worker.shading.sample) = (*tile, sample);
+        worker.shading.tile = *tile;
+        worker.begin(sample);
         worker.camera_rays(tile, sample % n, sample / n, &mut chunk);
         let chunk = alone(&chunk, 0, 0);
         let node = tree.sent(event(&worker.shading, &chunk, None, RayKind::Camera, 0));
@@ -238,7 +239,9 @@ impl<I: Intersector> Worker<'_, I> {
     fn split(&mut self, surface: &Surface8, unit: &Tried, cos_i: F32x8) -> Split {
         let shading = &mut self.shading;
         let of = |kind: RayKind| unit.sent.iter().find(|sent| sent.kind == kind);
-        let share = |kind: RayKind| of(kind).map_or(DVec3::ZERO, |sent| widened(sent.weight));
+        let share = |kind: RayKind| -> DVec3 {
+            unit.sent.iter().filter(|sent| sent.kind == kind).map(|sent| widened(sent.weight)).sum()
+        };
         let (reflected, transmitted) = (share(RayKind::Reflected), share(RayKind::Transmitted));
         let one = glam::Vec3::ONE;
         let tinted = |tint: glam::Vec3| ((one - reflected.as_vec3()) * (one - tint)).as_dvec3();

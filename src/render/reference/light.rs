@@ -83,14 +83,14 @@ fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
 }
 
 /// The share of a light at the far end of `ray` that reaches its start, where the media are `stack`, and how often it
-/// left a medium it had never entered.
-pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) {
+/// left a medium it had never entered. The media have their indices for light of the wavelength `nm`.
+pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
     if prepared.accel.occluded(&blocking(prepared, ray)) {
         return (DVec3::ZERO, 0);
     }
     match prepared.scene.settings.shadows {
         ShadowRule::Opaque => (DVec3::ONE, 0),
-        ShadowRule::Straight => march(prepared, ray, stack),
+        ShadowRule::Straight => march(prepared, ray, stack, nm),
     }
 }
 
@@ -115,7 +115,7 @@ fn end_of(ray: &Ray64) -> f64 {
 }
 
 /// Straight through every transmissive surface on the way.
-fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) {
+fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
     let scene = prepared.scene;
     let mut stack = stack.clone();
     let (mut share_left, mut unmatched_exits, mut reached) = (DVec3::ONE, 0, 0.0);
@@ -139,7 +139,7 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
             Interface::Dielectric { medium, rule, tint } => match stack.meet(scene, medium, crossing.front) {
                 Meeting::NotThere(beyond) => stack = beyond,
                 Meeting::Boundary { from, to, beyond, unmatched } => {
-                    let (n1, n2) = (prepared.ior(from), prepared.ior(to));
+                    let (n1, n2) = (prepared.ior(from, nm), prepared.ior(to, nm));
                     let boundary = Boundary::new(n1.min(n2), n1.max(n2));
                     let r = reflectance(prepared.fresnel, &boundary, &boundary.cross(cos));
                     share_left *= (DVec3::ONE - share(rule, false, r)) * tint.as_dvec3();
@@ -148,7 +148,7 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
                 }
             },
             Interface::ThinDielectric { ior, rule, tint } => {
-                let boundary = Boundary::new(prepared.ior(stack.top(scene)), f64::from(ior));
+                let boundary = Boundary::new(prepared.ior(stack.top(scene), nm), f64::from(ior));
                 let at = boundary.cross(cos);
                 let r = thin_reflectance(reflectance(prepared.fresnel, &boundary, &at));
                 share_left *= (DVec3::ONE - share(rule, at.total, r)) * tint.as_dvec3();

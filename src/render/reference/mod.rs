@@ -8,6 +8,7 @@
 mod camera;
 mod colour;
 mod condition;
+mod disperse;
 mod light;
 mod media;
 mod split;
@@ -26,7 +27,7 @@ use super::{FilmRay, Observer, Options, Outcome, Reflection};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::image::Film;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{Bands, FresnelModel, Oliveira, RefractionModel, Spectrum};
 use crate::scene::{Material, Scene};
 use crate::{Error, Result};
 use media::MediumStack;
@@ -42,10 +43,15 @@ pub struct Prepared<'a> {
     refraction: RefractionModel,
     oliveira: Oliveira,
     reflection: Reflection,
+    dispersion: bool,
     /// What camera rays start in.
     stack: MediumStack,
     /// Where lamps with an extent are sampled.
     points: LampPoints,
+    /// The wavelengths of a pixel's samples.
+    spectrum: Spectrum,
+    /// Those of a ray on its own.
+    bands: Bands,
 }
 
 impl<'a> Prepared<'a> {
@@ -58,11 +64,14 @@ impl<'a> Prepared<'a> {
     /// Builds the hierarchy and finds the media around the eye.
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, refraction, oliveira, reflection, .. } = options;
+        let &Options { fresnel, refraction, oliveira, reflection, dispersion, .. } = options;
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        let points = LampPoints::new(&scene.settings.lamps);
-        Self { scene, accel, fresnel, refraction, oliveira, reflection, stack, points }
+        let settings = &scene.settings;
+        let points = LampPoints::new(&settings.lamps);
+        let spectrum = Spectrum::new(settings.wavelengths, settings.samples);
+        let bands = Bands::new(settings.wavelengths, 0.5);
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, dispersion, stack, points, spectrum, bands }
     }
 
     /// What was built.
@@ -86,7 +95,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Radiance that arrives at `origin` from `dir` (of unit length), by one ray of depth 0 that starts in the medium
-    /// around the camera's eye.
+    /// around the camera's eye. Where a medium disperses it, each band counts by the wavelength in its middle.
     #[must_use]
     pub fn radiance_along(&self, origin: DVec3, dir: DVec3) -> [f64; 3] {
         self.trace(origin, dir).radiance.to_array()
@@ -101,7 +110,7 @@ impl<'a> Prepared<'a> {
     /// [`Prepared::trace`] with lamps sampled as for that ray of the film.
     #[must_use]
     pub fn trace_for(&self, film: FilmRay, origin: DVec3, dir: DVec3) -> Tally {
-        Tracer::trace(self, film, origin, dir, &mut Off)
+        Tracer::trace(self, film, &self.bands, origin, dir, &mut Off)
     }
 
     /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
@@ -122,7 +131,8 @@ impl<'a> Prepared<'a> {
             for i in 0..n {
                 let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
                 let film = FilmRay { pixel: [column, row], sample: j * n + i };
-                mean.merge(&Tracer::trace(self, film, origin, dir, record), share);
+                let bands = &self.spectrum.sets()[self.spectrum.set_of(film.sample)];
+                mean.merge(&Tracer::trace(self, film, bands, origin, dir, record), share);
             }
         }
         mean
@@ -132,8 +142,10 @@ impl<'a> Prepared<'a> {
         &self.scene.materials[self.scene.objects[geometry as usize].material as usize]
     }
 
-    fn ior(&self, medium: u32) -> f64 {
-        self.scene.media[medium as usize].ior
+    /// The index of a medium for light of a wavelength, or for white light.
+    fn ior(&self, medium: u32, nm: Option<f64>) -> f64 {
+        let medium = &self.scene.media[medium as usize];
+        nm.map_or(medium.ior, |nm| medium.index_at(nm))
     }
 }
 

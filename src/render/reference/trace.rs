@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::disperse::Dispersing;
 use super::light::{Arriving, blocker, let_through};
 use super::media::{MediumStack, Meeting};
 use super::split::{of_metal, reflectance, share};
@@ -10,7 +11,7 @@ use super::{Prepared, Tally, colour};
 use crate::accel::reference::Ray64;
 use crate::math::Vector3;
 use crate::optics::{
-    Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
+    Bands, Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
     StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
 };
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
@@ -29,6 +30,8 @@ pub(super) struct Pending {
     pub weight: DVec3,
     pub depth: u32,
     pub kind: RayKind,
+    /// Wavelength in nanometres; none is white.
+    pub nm: Option<f64>,
     pub stack: MediumStack,
     /// Surfaces in a row that were not there.
     pub passed: u32,
@@ -37,14 +40,14 @@ pub(super) struct Pending {
 }
 
 /// A ray's arrival at a surface.
-struct Arrival<'a> {
-    ray: &'a Pending,
-    surface: Surface,
-    material: &'a Material,
+pub(super) struct Arrival<'a> {
+    pub ray: &'a Pending,
+    pub surface: Surface,
+    pub material: &'a Material,
     /// Unit normals on the side the ray arrives on.
-    geometric: DVec3,
-    shading: DVec3,
-    cos_i: f64,
+    pub geometric: DVec3,
+    pub shading: DVec3,
+    pub cos_i: f64,
 }
 
 /// What a light, or some points of it, added.
@@ -65,29 +68,40 @@ impl Lit {
 /// Traces depth first: what a ray sends out waits on a list instead of on the call stack, which a scene's depth limit
 /// could exhaust.
 pub(super) struct Tracer<'a, 'r, L: Recorder> {
-    prepared: &'a Prepared<'a>,
+    pub prepared: &'a Prepared<'a>,
     /// Whose camera ray it is.
     film: FilmRay,
+    /// What white light divides into.
+    pub bands: &'a Bands,
     tally: Tally,
     pending: Vec<Pending>,
     record: &'r mut L,
 }
 
 impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
-    /// All that comes of a camera ray, sampled as that ray of the film is.
-    pub fn trace(prepared: &'a Prepared<'a>, film: FilmRay, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
+    /// All that comes of a camera ray, sampled as that ray of the film is, whose white light divides into `bands`.
+    pub fn trace(
+        prepared: &'a Prepared<'a>,
+        film: FilmRay,
+        bands: &'a Bands,
+        origin: DVec3,
+        dir: DVec3,
+        record: &'r mut L,
+    ) -> Tally {
         let mut camera_ray = Pending {
             origin,
             dir,
             weight: DVec3::ONE,
             depth: 0,
             kind: RayKind::Camera,
+            nm: None,
             stack: prepared.stack.clone(),
             passed: 0,
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
-        let mut tracer = Self { prepared, film, tally: Tally::default(), pending: vec![camera_ray], record };
+        let (tally, pending) = (Tally::default(), vec![camera_ray]);
+        let mut tracer = Self { prepared, film, bands, tally, pending, record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
@@ -166,7 +180,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     }
 
     /// Writes down how a surface divides light.
-    fn split(&mut self, at: &Arrival, split: Split) {
+    pub fn split(&mut self, at: &Arrival, split: Split) {
         self.note(at.ray.node, |event| event.split = Some(split));
     }
 
@@ -175,7 +189,8 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let prepared = self.prepared;
         let scene = prepared.scene;
         let one = DVec3::ONE;
-        let here = || prepared.ior(at.ray.stack.top(scene));
+        let nm = at.ray.nm;
+        let here = || prepared.ior(at.ray.stack.top(scene), nm);
         match at.material.interface {
             Interface::Opaque => {
                 self.split(at, Split::OPAQUE);
@@ -206,10 +221,13 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 self.base(at, 1.0);
                 let Some(Meeting::Boundary { from, to, beyond, unmatched }) = meeting else { return };
                 self.tally.unmatched_exits += u64::from(unmatched);
-                let boundary = Boundary::new(prepared.ior(from), prepared.ior(to));
+                let tint = tint.as_dvec3();
+                if self.disperse(at, &Dispersing { from, to, beyond: beyond.clone(), rule, tint }) {
+                    return;
+                }
+                let boundary = Boundary::new(prepared.ior(from, nm), prepared.ior(to, nm));
                 let crossing = boundary.cross(at.cos_i);
                 let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
-                let tint = tint.as_dvec3();
                 let transmitted = if crossing.total { DVec3::ZERO } else { (one - r) * tint };
                 let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
                 let bent = (!crossing.total && !total).then(|| match prepared.refraction {
@@ -219,7 +237,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 self.split(
                     at,
                     Split {
-                        indices: Some((prepared.ior(from), prepared.ior(to))),
+                        indices: Some((prepared.ior(from, nm), prepared.ior(to, nm))),
                         cos_t: bent,
                         total: crossing.total,
                         reflected: r,
@@ -229,21 +247,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 );
                 self.reflected(at, r);
                 if !crossing.total {
-                    let (kind, share) = (RayKind::Transmitted, (one - r) * tint);
-                    // Light that is not bent at all goes on as it came.
-                    if boundary.kc == 0.0 {
-                        self.send(at, kind, at.ray.dir, share, beyond);
-                    } else if total {
-                        let weight = at.ray.weight * share;
-                        self.tally.truncated += weight;
-                        let cut = Cut { kind, weight, too_deep: false, too_light: false };
-                        self.note(at.ray.node, |event| event.cut.push(cut));
-                    } else if at.surface.interpolated.is_some() {
-                        let dir = below_surface(direction, at.geometric.into());
-                        self.send(at, kind, dir.into(), share, beyond);
-                    } else {
-                        self.send(at, kind, direction.into(), share, beyond);
-                    }
+                    self.refracted(at, &boundary, &crossing, transmitted, beyond, nm);
                 }
             }
             Interface::ThinDielectric { ior, rule, tint } => {
@@ -294,7 +298,33 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
     }
 
-    fn reflected(&mut self, at: &Arrival, share: DVec3) {
+    /// Sends light of a wavelength, or white light, beyond a boundary.
+    pub fn refracted(
+        &mut self,
+        at: &Arrival,
+        boundary: &Boundary<f64>,
+        crossing: &Crossing<f64>,
+        share: DVec3,
+        beyond: MediumStack,
+        nm: Option<f64>,
+    ) {
+        let Refracted { direction, total } = self.prepared.refract(boundary, at, crossing);
+        // Light that is not bent at all goes on as it came.
+        if boundary.kc == 0.0 {
+            self.send_coloured(at, RayKind::Transmitted, at.ray.dir, share, beyond, nm);
+        } else if total {
+            let (kind, weight) = (RayKind::Transmitted, at.ray.weight * share);
+            self.tally.truncated += weight;
+            self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep: false, too_light: false }));
+        } else if at.surface.interpolated.is_some() {
+            let dir = below_surface(direction, at.geometric.into());
+            self.send_coloured(at, RayKind::Transmitted, dir.into(), share, beyond, nm);
+        } else {
+            self.send_coloured(at, RayKind::Transmitted, direction.into(), share, beyond, nm);
+        }
+    }
+
+    pub fn reflected(&mut self, at: &Arrival, share: DVec3) {
         let weight = at.ray.weight * share;
         match self.prepared.reflection {
             Reflection::Traced => {}
@@ -317,15 +347,28 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.send(at, RayKind::Transmitted, at.ray.dir, share, at.ray.stack.clone());
     }
 
-    /// Queues a secondary ray, or counts its weight as truncated.
+    /// Queues a secondary ray of the wavelength that arrived, or counts its weight as truncated.
     fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, share: DVec3, stack: MediumStack) {
+        self.send_coloured(at, kind, dir, share, stack, at.ray.nm);
+    }
+
+    /// Queues a secondary ray, or counts its weight as truncated.
+    pub fn send_coloured(
+        &mut self,
+        at: &Arrival,
+        kind: RayKind,
+        dir: DVec3,
+        share: DVec3,
+        stack: MediumStack,
+        nm: Option<f64>,
+    ) {
         let settings = &self.prepared.scene.settings;
         let weight = at.ray.weight * share;
         if weight == DVec3::ZERO {
             return;
         }
         let too_deep = at.ray.depth >= settings.max_depth;
-        let too_light = weight.max_element() < f64::from(settings.cutoff);
+        let too_light = weight.abs().max_element() < f64::from(settings.cutoff);
         if too_deep || too_light {
             self.tally.truncated += weight;
             self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
@@ -333,7 +376,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
         let dir = dir.normalize();
         let origin = at.surface.start(dir);
-        let ray = Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, stack, passed: 0, node: 0 };
+        let ray = Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, nm, stack, passed: 0, node: 0 };
         self.queue(at.ray.node, ray);
     }
 
@@ -399,7 +442,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.tally.rays.add(RayKind::Shadow, at.ray.depth as usize, 1);
         let origin = at.surface.start(arriving.towards);
         let ray = Ray64 { t_max: arriving.distance, ..Ray64::new(origin, arriving.towards) };
-        let (share, unmatched_exits) = let_through(self.prepared, &ray, &at.ray.stack);
+        let (share, unmatched_exits) = let_through(self.prepared, &ray, &at.ray.stack, at.ray.nm);
         self.tally.unmatched_exits += unmatched_exits;
         share
     }

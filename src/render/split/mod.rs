@@ -1,6 +1,7 @@
 //! The split stage: where light goes on from a surface, one function for each class, over a stream of its surfaces.
 
 mod dielectric;
+mod disperse;
 mod film;
 mod mirror;
 pub mod mirrored;
@@ -9,7 +10,7 @@ use super::class::Class;
 use super::options::Options;
 use super::outcome::RayKind;
 use super::queue::{Rgb8, Spawn8};
-use super::shading::Shading;
+use super::shading::{Shading, disperses};
 use super::surface::Surface8;
 use crate::geometry::GeometryMask;
 use crate::math::Vector3;
@@ -43,7 +44,7 @@ fn pick_for<F: FresnelFormula>(class: Class, scene: &Scene, options: &Options) -
             Environment::LatLong { .. } => mirror::of_environment::<super::sky::LatLong>,
         }),
         Class::Conductor => Some(mirror::conductor::<F>),
-        Class::Dielectric => Some(dielectric::pick::<F>(options.refraction)),
+        Class::Dielectric => Some(dielectric::pick::<F>(options.refraction, disperses(scene, options))),
         Class::Thin => Some(film::thin::<F>),
         Class::Coated => Some(film::coated::<F>),
         Class::Alpha => Some(film::alpha),
