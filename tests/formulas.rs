@@ -91,7 +91,7 @@ fn the_tables_are_the_same_in_every_run_fit_eighty_columns_and_hold_every_range(
     let table = text(&formulas);
     assert_eq!(table, text(&measured(&Kind::ALL, 64)));
     for line in table.lines() {
-        assert!(line.chars().count() <= 100, "{line}");
+        assert!(line.chars().count() <= 80, "{line}");
     }
     let lines = csv(&formulas).lines().count();
     assert_eq!(lines, 1 + formulas.iter().map(|f| f.ranges.len()).sum::<usize>());

@@ -13,6 +13,9 @@ use crate::scene::{Interface, LightKind, Scene};
 /// Levels that are set in; deeper ones stand below each other, with their depths.
 const SET_IN: usize = 11;
 
+/// What a terminal is wide.
+const COLUMNS: usize = 80;
+
 /// What belongs to each row, by either renderer: radiance and cut-off weight of it and all that follows.
 pub(super) type Totals = [Vec<(DVec3, DVec3)>; 2];
 
@@ -69,7 +72,26 @@ pub(super) fn report(findings: &Findings) -> String {
         }
         lines.extend(remarks(findings, row).into_iter().map(|remark| format!("{indent}  {remark}")));
     }
-    lines.join("\n") + "\n"
+    lines.iter().map(|line| wrapped(line)).collect::<Vec<_>>().join("\n") + "\n"
+}
+
+/// A line broken at blanks so that each part fits the terminal, later parts set in further.
+fn wrapped(line: &str) -> String {
+    let indent = " ".repeat(line.len() - line.trim_start().len() + 4);
+    let mut parts = Vec::new();
+    let mut rest = line.to_owned();
+    while rest.chars().count() > COLUMNS {
+        let end = rest.char_indices().nth(COLUMNS).map_or(rest.len(), |(i, _)| i);
+        let Some(blank) = rest[..end].rfind(' ').filter(|&i| !rest[..i].trim().is_empty()) else {
+            break;
+        };
+        let next = format!("{indent}{}", &rest[blank + 1..]);
+        rest.truncate(blank);
+        parts.push(rest);
+        rest = next;
+    }
+    parts.push(rest);
+    parts.join("\n")
 }
 
 /// The pixel itself, over all of its rays.

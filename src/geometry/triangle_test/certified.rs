@@ -15,8 +15,8 @@ use crate::math::{LaneMask, Vector3};
 /// triangles of a ball, one in two thousand has such a lane where they are aimed at random, and nearly every one where
 /// they are aimed at corners and edges.
 ///
-/// Known failures: none in the verdict. `t` is that of the weighted corners along the direction, good to a few u of
-/// the farthest corner's distance.
+/// Known failures: none in the verdict. `t` is that of the weighted corners along the direction: it lies among theirs, but of
+/// a triangle seen nearly edge-on the weights, and so `t`, are quotients of roundings.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Certified;
 

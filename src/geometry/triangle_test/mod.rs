@@ -191,9 +191,9 @@ fn meet_sheared([a, b, c]: [Vector3<f64>; 3], dz: f64) -> Option<(f64, f64, f64)
     if !same_side(edges) || whole == 0.0 || whole.is_nan() {
         return None;
     }
-    let [first, u, v] = edges.map(|e| (e / whole).max(0.0));
-    let t = (first * a.z + u * b.z + v * c.z) / dz;
-    t.is_finite().then_some((t, u.min(1.0), v.min(1.0)))
+    let [_, u, v] = edges.map(|e| (e / whole).clamp(0.0, 1.0));
+    let t = (edges[0] * a.z + edges[1] * b.z + edges[2] * c.z) / whole / dz;
+    t.is_finite().then_some((t, u, v))
 }
 
 /// Lane `i` of three corners.

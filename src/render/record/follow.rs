@@ -118,9 +118,11 @@ impl<I: Intersector> Worker<'_, I> {
         if glow != DVec3::ZERO {
             tree.at(ray.node, |event| event.shares.push(Share::free(Source::Glow, glow)));
         }
+        // Marching shadows gather surfaces of their own into the worker's list.
+        let surfaces = take(&mut self.surfaces);
         for &(light, shine) in &stages.lights {
             let before = self.added();
-            shine(&mut self.shading, light, &self.surfaces, &self.bases);
+            shine(&mut self.shading, light, &surfaces, &self.bases);
             let shadow = self.shading.shadows.rays.first().copied();
             let waits: DVec3 = self.shading.shadows.states.iter().map(|state| widened(state.weight)).sum();
             self.flush_shadows(ray.depth, coherence);
