@@ -1,5 +1,6 @@
 //! Nanoseconds of each optics formula: eight lanes, one lane, and `f64`. Each iteration is the same batch
-//! of rays, of every angle into and out of glass; the elements per second that criterion prints count rays.
+//! of rays, of every angle into and out of glass; the elements per second that criterion prints count rays. Then, once,
+//! how far off the formulas are, as `vitrum price --formulas` has it.
 
 use std::hint::black_box;
 
@@ -204,12 +205,20 @@ fn directions(c: &mut Criterion) {
     formula(c, "transmittance", Kind::<{ Other::Transmittance as u8 }>);
 }
 
+/// How far off they are, beside what they cost.
+fn errors(_: &mut Criterion) {
+    use vitrum::study::formulas::{Kind, Plan, measure, text};
+    let kinds = vec![Kind::Refraction, Kind::Fresnel, Kind::Reflection, Kind::Reciprocal];
+    let plan = Plan { count: 20_000, time: false, kinds };
+    println!("{}", text(&measure(&plan, || true).expect("nobody interrupts a benchmark")));
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(30)
         .warm_up_time(std::time::Duration::from_millis(300))
         .measurement_time(std::time::Duration::from_millis(700));
-    targets = refraction, fresnel, directions
+    targets = refraction, fresnel, directions, errors
 }
 criterion_main!(benches);

@@ -8,10 +8,18 @@
 //! use vitrum::accel::{Unbounded, native::Native};
 //! use vitrum::geometry::{Geometry, GeometryMask, Shape, Sphere};
 //! use vitrum::render::{Observer, Options, render};
-//! use vitrum::scene::{Environment, FresnelRule, Interface, Material, Medium, Object, Origin, Rgb, Scene, Settings};
+//! use vitrum::scene::{
+//!     Dispersion, Environment, FresnelRule, Interface, Material, Medium, Object, Origin, Rgb, Scene, Settings,
+//! };
 //!
 //! // A glass ball in a bright room: lossless, so it cannot be seen.
-//! let glass = Medium { name: "glass".into(), ior: 1.5, absorption: Rgb::ZERO, priority: 0 };
+//! let glass = Medium {
+//!     name: "glass".into(),
+//!     ior: 1.5,
+//!     dispersion: Dispersion::None,
+//!     absorption: Rgb::ZERO,
+//!     priority: 0,
+//! };
 //! let interface = Interface::Dielectric { medium: 1, rule: FresnelRule::Fresnel, tint: Rgb::ONE };
 //! let ball = Shape::Sphere(Sphere { centre: glam::Vec3::ZERO, radius: 1.0 });
 //! let scene = Scene {

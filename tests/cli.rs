@@ -222,8 +222,20 @@ fn a_png_says_what_decided_its_pixels_and_nothing_else() {
     let reader = decoder.read_info().unwrap();
     let texts = &reader.info().uncompressed_latin1_text;
     let names: Vec<_> = texts.iter().map(|t| t.keyword.strip_prefix("vitrum:").unwrap_or(&t.keyword)).collect();
-    let expected =
-        ["Software", "backend", "simd", "samples", "depth", "cutoff", "fresnel", "refraction", "shadows", "exposure"];
+    let expected = [
+        "Software",
+        "backend",
+        "simd",
+        "samples",
+        "depth",
+        "cutoff",
+        "wavelengths",
+        "fresnel",
+        "refraction",
+        "reflection",
+        "shadows",
+        "exposure",
+    ];
     assert_eq!(names, expected);
     let value = |name: &str| texts.iter().find(|t| t.keyword == format!("vitrum:{name}")).unwrap().text.clone();
     assert_eq!((value("depth"), value("exposure"), value("backend")), ("9".into(), "-0.5".into(), "native".into()));

@@ -171,6 +171,23 @@ fn broken_pictures_are_survived() {
     }
 }
 
+#[test]
+fn what_was_found_once_is_survived_still() {
+    let mut count = 0;
+    for file in fs::read_dir(entry::data().join("found")).unwrap() {
+        let path = file.unwrap().path();
+        let kind = match path.extension().and_then(|e| e.to_str()) {
+            Some("toml") => Kind::Scene,
+            Some("obj") => Kind::Model,
+            Some("mtl") => Kind::Material,
+            _ => Kind::Picture,
+        };
+        entry::load(kind, &fs::read(&path).unwrap());
+        count += 1;
+    }
+    assert!(count > 0);
+}
+
 /// Command lines that work, to begin with.
 const LINES: [&str; 16] = [
     "render sampler.toml",

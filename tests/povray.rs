@@ -145,6 +145,7 @@ scenes! {
     coloured_glass_along_ways_of_any_length: "tinted", Exact;
     facing_mirrors_at_forty_reflections: "hall", Exact;
     a_point_light_and_its_shadows: "shadow", Exact;
+    a_panel_of_light_and_its_soft_shadows: "soft", Exact;
     highlights_under_a_spot_and_a_directional_light: "lights", Exact;
     half_mirrors_and_varnish_in_parallel_projection: "mixed", Exact;
 }

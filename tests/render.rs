@@ -66,6 +66,66 @@ fn what_a_small_depth_cuts_off_is_exactly_what_is_reported() {
     }
 }
 
+/// Case AB-06 of the catalogue: nothing is ended at random, so the bias of a cut-off is what it took away, and that is
+/// reported pixel by pixel.
+#[test]
+fn what_a_cut_off_takes_away_is_exactly_what_is_reported() {
+    let mut scene = empty(1.0);
+    let crown = glass(&mut scene, 1.5, 0, Rgb::ZERO);
+    cuboid(&mut scene, Vec3::splat(-0.7), Vec3::splat(0.7), crown);
+    scene.settings.max_depth = 200;
+    let mut before = 0.0;
+    for cutoff in [1e-4, 1e-2, 0.05, 0.5, 1.0] {
+        scene.settings.cutoff = cutoff;
+        let outcome = native(&scene, &Options::default());
+        let lost: f32 = outcome.truncated.pixels.iter().map(|p| p[0]).sum();
+        assert!(lost > before, "a cut-off of {cutoff} takes more than a lower one");
+        before = lost;
+        for (seen, lost) in outcome.film.pixels.iter().zip(&outcome.truncated.pixels) {
+            assert!((seen[1] + lost[1] - 1.0).abs() <= 1e-5, "cut-off {cutoff}: {} + {}", seen[1], lost[1]);
+        }
+    }
+}
+
+/// Where two media touch in the very same face, one boundary is met and the other passed over, as `src/README.md` has it
+/// ("Surfaces that coincide are not two boundaries"): the one of the lower number, by both renderers. The answer by hand:
+/// what the first face reflects, what the second one sends back through it, and what goes through all that are met.
+#[test]
+fn of_two_faces_in_one_place_the_first_is_met_and_the_other_passed_over_by_both_renderers() {
+    let reflectance = |n1: f64, n2: f64| {
+        let boundary = Boundary::<f64>::new(n1, n2);
+        Exact::dielectric(&boundary, &boundary.cross(1.0))
+    };
+    for glass_first in [true, false] {
+        let mut scene = head_on(1.0);
+        scene.camera.projection = Projection::Orthographic { height: 1.0 };
+        scene.settings.max_depth = 3;
+        let crown = glass(&mut scene, 1.5, 0, Rgb::ZERO);
+        let water = glass(&mut scene, 1.33, 0, Rgb::ZERO);
+        let (behind, before) = (Vec3::new(-3.0, -3.0, -1.0), Vec3::new(3.0, 3.0, 1.0));
+        let boxes = [(behind, before.with_z(0.0), crown), (behind.with_z(0.0), before, water)];
+        for &(lo, hi, material) in if glass_first { [&boxes[0], &boxes[1]] } else { [&boxes[1], &boxes[0]] } {
+            cuboid(&mut scene, lo, hi, material);
+        }
+        // Into the water; then into the glass from it, or out of it into air that is not there; then out of the glass.
+        let first = reflectance(1.0, 1.33);
+        let (second, third) = if glass_first {
+            (reflectance(1.33, 1.5), reflectance(1.5, 1.33))
+        } else {
+            (reflectance(1.33, 1.0), reflectance(1.5, 1.0))
+        };
+        let through = 1.0 - first;
+        let want = first + through * second * through + through * (1.0 - second) * (1.0 - third);
+        let options = Options::default();
+        let ours = native(&scene, &options);
+        let theirs = vitrum::render::reference::render(&scene, &options, &vitrum::render::Observer::default()).unwrap();
+        for outcome in [&ours, &theirs] {
+            assert_close(centre(&outcome.film), Vec3::splat(want as f32), 1e-5, "the two media");
+            assert_eq!(outcome.unmatched_exits == 0, glass_first, "what was never entered is left");
+        }
+    }
+}
+
 /// A scene with every kind of surface, light and shadow, so that whatever depends on grouping would show.
 fn everything() -> Scene {
     let mut scene = empty(0.2);

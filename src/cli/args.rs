@@ -3,6 +3,7 @@
 mod effects;
 mod explain;
 mod formulas;
+mod pixel;
 mod price;
 
 use std::path::PathBuf;
@@ -11,9 +12,11 @@ use std::sync::LazyLock;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::simd::level;
+use crate::study::Spheres;
 pub(super) use effects::EffectArgs;
 pub(super) use explain::ExplainArgs;
 pub(super) use formulas::{FormulasArgs, KindArg};
+pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
@@ -44,6 +47,7 @@ pub(super) enum Command {
     Verify(VerifyArgs),
     Bench(BenchArgs),
     Price(PriceArgs),
+    Pixel(PixelArgs),
     Doctor(DoctorArgs),
 }
 
@@ -56,6 +60,8 @@ pub(super) enum Command {
   vitrum render scenes/glass.toml -o reference.exr --backend reference
   vitrum render scenes/glass.toml -o plain.png --no-fresnel-split
   vitrum render scenes/glass.toml --quiet --json > summary.json
+  vitrum render scenes/glass.toml --max-error 1/512
+  vitrum render scenes/glass.toml --time-budget 2s
 
 The same command gives the same bytes for any number of threads and any tile size.
 The summary goes to standard error, --json to standard output.")]
@@ -95,21 +101,33 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WEIGHT", value_parser = cutoff, allow_negative_numbers = true, help_heading = "Light")]
     pub cutoff: Option<f32>,
 
-    /// Formula that splits light at a surface
-    #[arg(long, value_enum, default_value_t = FresnelArg::Exact, help_heading = "Light")]
-    pub fresnel: FresnelArg,
+    /// Wavelengths that white light divides into where a medium disperses it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(7..=64), help_heading = "Light")]
+    pub wavelengths: Option<u32>,
 
-    /// Formula that bends light at a surface
-    #[arg(long, value_enum, default_value_t = RefractionArg::Stable, help_heading = "Light")]
-    pub refraction: RefractionArg,
+    /// Formula that splits light at a surface [default: exact]
+    #[arg(long, value_enum, help_heading = "Light")]
+    pub fresnel: Option<FresnelArg>,
+
+    /// Formula that bends light at a surface [default: stable]
+    #[arg(long, value_enum, help_heading = "Light")]
+    pub refraction: Option<RefractionArg>,
 
     /// The constant of `--refraction oliveira`, above -1 [default: 0.6645, for glass]
     #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
     pub oliveira: Option<f64>,
 
+    /// What becomes of light that surfaces reflect [default: traced]
+    #[arg(long, value_enum, help_heading = "Light")]
+    pub reflection: Option<ReflectionArg>,
+
     /// What transparent surfaces do to shadows [default: as the scene says]
     #[arg(long, value_enum, help_heading = "Light")]
     pub shadows: Option<ShadowsArg>,
+
+    /// Exact spheres, or as meshes of so many bands [default: exact]
+    #[arg(long, value_name = "exact|BANDS", value_parser = spheres, help_heading = "Light")]
+    pub spheres: Option<Spheres>,
 
     #[command(flatten)]
     pub effects: EffectArgs,
@@ -117,6 +135,14 @@ pub(super) struct RenderArgs {
     /// What traces the rays [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
     pub backend: Option<BackendArg>,
+
+    /// Choose what keeps every channel within E (1/512, 0.002), the cheapest; what is given besides stays
+    #[arg(long, value_name = "E", value_parser = bound, conflicts_with_all = ["time_budget", "exposure"], help_heading = "Budget")]
+    pub max_error: Option<f64>,
+
+    /// Choose what renders within TIME (2s, 500ms), the most accurate; what is given besides stays
+    #[arg(long, value_name = "TIME", value_parser = price::duration, help_heading = "Budget")]
+    pub time_budget: Option<std::time::Duration>,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Machine")]
@@ -423,6 +449,16 @@ pub(super) enum RefractionArg {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ReflectionArg {
+    /// By rays
+    Traced,
+    /// Looked up in the environment, whatever stands between
+    Environment,
+    /// Left out, and counted as truncated weight
+    None,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum ShadowsArg {
     /// They block light
     Opaque,
@@ -440,6 +476,29 @@ pub(super) enum BackendArg {
     Embree,
     /// Embree in its fast mode, which may lose rays at edges
     EmbreeFast,
+}
+
+/// A difference of a channel: a fraction or a number.
+fn bound(text: &str) -> Result<f64, String> {
+    let value: f64 = match text.split_once('/') {
+        Some((above, below)) => number::<f64>(above)? / number::<f64>(below)?,
+        None => number(text)?,
+    };
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(String::from("not a number above 0; write 1/512 or 0.002"))
+    }
+}
+
+fn spheres(text: &str) -> Result<Spheres, String> {
+    if text == "exact" {
+        return Ok(Spheres::Exact);
+    }
+    match text.parse() {
+        Ok(n @ 2..=4096) => Ok(Spheres::Bands(n)),
+        _ => Err(String::from("neither `exact` nor a number of bands, 2 to 4096")),
+    }
 }
 
 fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {

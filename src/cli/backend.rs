@@ -93,7 +93,6 @@ pub(super) fn start_threads(options: &Options) -> Result<()> {
 /// # Errors
 /// `Interrupted`; a limit, where threads cannot be started or a library is missing.
 pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer: &Observer) -> Result<Traced> {
-    start_threads(options)?;
     let start = Instant::now();
     match backend {
         Backend::Native => with(Native::build(&scene.geometry), start, scene, options, observer),

@@ -5,12 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::options::{Bench, refuse_input};
-use super::{Verdict, interrupt, output, progress};
+use super::{Verdict, interrupt, output, progress, view};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::Observer;
-use crate::scene::{LightKind, Projection, Scene};
-use crate::trial::rays::bounds;
-use crate::trial::{self, Machine, Outcome, Subject, View, Watch, machine};
+use crate::trial::{self, Machine, Outcome, Subject, Watch, machine};
 use crate::{Error, Result};
 
 /// Loads, checks, times and reports.
@@ -65,29 +63,10 @@ fn subject(path: &Path, job: &Bench) -> Result<Subject> {
         refuse_input("--html", page.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let view = view(&scene);
+    let view = view::of(&scene);
     let subject = Subject::new(&name, scene.geometry, Some(view));
     if subject.geometry.is_empty() {
         return Err(Error::file(path, "has nothing that a hierarchy holds: no mesh and no sphere"));
     }
     Ok(subject)
-}
-
-/// From where the scene's camera stands (an orthographic one gives way to a view of the whole), under its first point
-/// light, else one that lights what is seen from the front.
-fn view(scene: &Scene) -> View {
-    let bounds = bounds(&scene.geometry);
-    let whole = View::of(&bounds);
-    let light = scene.lights.iter().find_map(|l| match l.kind {
-        LightKind::Point { position } => Some(position),
-        _ => None,
-    });
-    let light = light.unwrap_or(whole.light);
-    let camera = &scene.camera;
-    match camera.projection {
-        Projection::Pinhole { vfov } => {
-            View { eye: camera.eye, target: camera.target, up: camera.up, fov: vfov, light }
-        }
-        Projection::Orthographic { .. } => View { light, ..whole },
-    }
 }

@@ -2,11 +2,13 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::options::{Compare, Difference};
-use super::{Verdict, output};
+use super::{Verdict, interrupt, output};
 use crate::Result;
 use crate::image::{self, Comparison, Encoding, Film, ReadOptions};
+use crate::render::Observer;
 
 /// What a pixel may be off by before it is counted, where no tolerance is given: a step of an 8-bit channel.
 const STEP: f64 = 1.0 / 255.0;
@@ -26,6 +28,7 @@ struct Report<'a> {
 
 /// Compares, prints, and writes the picture of differences.
 pub(super) fn run(job: &Compare) -> Result<Verdict> {
+    interrupt::listen(&Arc::new(Observer::default()))?;
     let (a, b) = (film(&job.a, job)?, film(&job.b, job)?);
     let comparison = image::compare(&a, &b, job.tolerance.unwrap_or(STEP))?;
     let passed = job.tolerance.map(|_| comparison.share_above() <= job.allow_share);

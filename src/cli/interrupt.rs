@@ -20,6 +20,9 @@ const PATIENCE: Duration = Duration::from_millis(800);
 /// Whether the work under way looks at [`Observer::stop`].
 static HEEDED: AtomicBool = AtomicBool::new(false);
 
+/// Whether what is left to do is to keep what was done.
+static WAIT: AtomicBool = AtomicBool::new(false);
+
 /// Has Ctrl-C set `observer.stop`.
 ///
 /// # Errors
@@ -33,7 +36,9 @@ pub(super) fn listen(observer: &Arc<Observer>) -> Result<()> {
         }
         thread::spawn(|| {
             thread::sleep(PATIENCE);
-            leave();
+            if !WAIT.load(Ordering::SeqCst) {
+                leave();
+            }
         });
     };
     ctrlc::set_handler(on_signal).map_err(|e| Error::Limit(format!("cannot listen for Ctrl-C: {e}")))
@@ -45,6 +50,11 @@ pub(super) fn heeded<T>(work: impl FnOnce() -> T) -> T {
     let result = work();
     HEEDED.store(false, Ordering::SeqCst);
     result
+}
+
+/// From here on the work ends by itself, however long that takes; a second Ctrl-C still ends the program at once.
+pub(super) fn wait_for_the_end() {
+    WAIT.store(true, Ordering::SeqCst);
 }
 
 fn leave() -> ! {

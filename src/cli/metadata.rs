@@ -3,7 +3,7 @@
 use super::backend::Backend;
 use super::options::Exposure;
 use crate::optics::{FresnelModel, RefractionModel};
-use crate::render::Options;
+use crate::render::{Options, Reflection};
 use crate::scene::{Settings, ShadowRule};
 use crate::simd::level;
 
@@ -22,8 +22,10 @@ pub(super) fn of(
         ("vitrum:samples", settings.samples.to_string()),
         ("vitrum:depth", settings.max_depth.to_string()),
         ("vitrum:cutoff", settings.cutoff.to_string()),
+        ("vitrum:wavelengths", settings.wavelengths.to_string()),
         ("vitrum:fresnel", fresnel_name(options.fresnel).into()),
         ("vitrum:refraction", refraction_name(options)),
+        ("vitrum:reflection", reflection_name(options.reflection).into()),
         ("vitrum:shadows", shadows_name(settings.shadows).into()),
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
@@ -58,6 +60,15 @@ pub(super) fn refraction_name(options: &Options) -> String {
         RefractionModel::SlidesVector => "slides".into(),
         RefractionModel::Oliveira => format!("oliveira {}", options.oliveira.c),
         RefractionModel::StraightThrough => "straight".into(),
+    }
+}
+
+/// What becomes of reflected light, as the command line has it.
+pub(super) fn reflection_name(reflection: Reflection) -> &'static str {
+    match reflection {
+        Reflection::Traced => "traced",
+        Reflection::Environment => "environment",
+        Reflection::None => "none",
     }
 }
 

@@ -3,6 +3,7 @@
 mod args;
 mod backend;
 mod bench;
+mod budget;
 mod compare;
 mod doctor;
 mod explain;
@@ -12,6 +13,8 @@ mod metadata;
 mod options;
 mod output;
 mod parity;
+mod pixel;
+mod price;
 mod progress;
 mod render;
 mod summary;
@@ -65,7 +68,11 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Parity(args) => parity::run(&options::Parity::from(args)),
         Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
-        Command::Price(args) => formulas::run(&options::Formulas::new(&args.formulas, args.json)),
+        Command::Pixel(args) => pixel::run(&options::Pixel::try_from(args)?),
+        Command::Price(args) if args.formulas.formulas => {
+            formulas::run(&options::Formulas::new(&args.formulas, args.json))
+        }
+        Command::Price(args) => price::run(options::Price::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }
 }

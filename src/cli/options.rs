@@ -3,23 +3,29 @@
 mod effects;
 mod explain;
 mod formulas;
+mod pixel;
+mod price;
 
 use std::path::{Path, PathBuf};
 
 use super::args::{
-    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, RefractionArg,
-    RenderArgs, ShadowsArg, VerifyArgs,
+    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, ReflectionArg,
+    RefractionArg, RenderArgs, ShadowsArg, VerifyArgs,
 };
 use super::backend::Backend;
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Settings, ShadowRule};
+use crate::study::budget::Wish;
+use crate::study::{Axis, Spheres};
 use crate::trial::verify::{self, Group};
 use crate::trial::{Picture, Plan, RayKind};
 use crate::{Error, Result, render};
 pub(super) use explain::Explain;
 pub(super) use formulas::Formulas;
+pub(super) use pixel::Pixel;
+pub(super) use price::Price;
 
 /// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
 const MOST_PIXELS: u64 = 1 << 27;
@@ -34,8 +40,14 @@ pub(super) struct Render {
     /// Factor on all colours.
     pub exposure: Exposure,
     pub overrides: Overrides,
+    /// What the scene's exact spheres are.
+    pub spheres: Spheres,
     pub backend: Backend,
     pub options: render::Options,
+    /// What the free choices are made for, where that is asked.
+    pub wish: Option<Wish>,
+    /// Choices that the command line made.
+    pub fixed: Vec<Axis>,
     /// Makes every oddity an error.
     pub strict: bool,
     pub json: bool,
@@ -64,6 +76,7 @@ pub(super) struct Overrides {
     depth: Option<u32>,
     cutoff: Option<f32>,
     shadows: Option<ShadowRule>,
+    wavelengths: Option<u32>,
 }
 
 impl Overrides {
@@ -78,6 +91,7 @@ impl Overrides {
         settings.max_depth = self.depth.unwrap_or(settings.max_depth);
         settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
         settings.shadows = self.shadows.unwrap_or(settings.shadows);
+        settings.wavelengths = self.wavelengths.unwrap_or(settings.wavelengths);
         refuse_large(settings)
     }
 }
@@ -99,10 +113,12 @@ impl TryFrom<RenderArgs> for Render {
 
     fn try_from(args: RenderArgs) -> Result<Self> {
         let effects = effects::effects(&args.effects)?;
-        let bent = (args.refraction != RefractionArg::Stable).then_some("--refraction");
+        let bent = args.refraction.is_some_and(|r| r != RefractionArg::Stable).then_some("--refraction");
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
         let straight = matches!(args.shadows, Some(ShadowsArg::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
+        let spread = args.wavelengths.map(|_| "--wavelengths");
+        effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
         let backend = Backend::choose(args.backend)?;
         let name = match args.output {
             Some(name) => name,
@@ -116,6 +132,22 @@ impl TryFrom<RenderArgs> for Render {
                 "--bits is for PNG; {} has samples of its own kind: leave it out, or end {} in .png",
                 format.name(),
                 name.display()
+            )));
+        }
+        let fixed = [
+            (Axis::Fresnel, args.fresnel.is_some()),
+            (Axis::Refraction, args.refraction.is_some()),
+            (Axis::Reflection, args.reflection.is_some()),
+            (Axis::Shadows, args.shadows.is_some()),
+            (Axis::Spheres, args.spheres.is_some()),
+            (Axis::Cutoff, args.cutoff.is_some()),
+            (Axis::Depth, args.depth.is_some()),
+            (Axis::Backend, args.backend.is_some()),
+        ];
+        let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
+        if wish.is_some() && backend == Backend::Reference {
+            return Err(Error::Usage(String::from(
+                "--backend reference: f64 is exact already; leave --max-error or --time-budget out",
             )));
         }
         Ok(Self {
@@ -133,20 +165,22 @@ impl TryFrom<RenderArgs> for Render {
                 samples: args.samples,
                 depth: args.depth,
                 cutoff: args.cutoff,
-                shadows: args.shadows.map(|rule| match rule {
-                    ShadowsArg::Opaque => ShadowRule::Opaque,
-                    ShadowsArg::Straight => ShadowRule::Straight,
-                }),
+                wavelengths: args.wavelengths,
+                shadows: args.shadows.map(Into::into),
             },
+            spheres: args.spheres.unwrap_or(Spheres::Exact),
+            wish,
+            fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
             backend,
             options: render::Options {
-                fresnel: match args.fresnel {
-                    FresnelArg::Exact => FresnelModel::Exact,
-                    FresnelArg::Schlick => FresnelModel::Schlick,
-                    FresnelArg::Off => FresnelModel::Off,
+                fresnel: args.fresnel.unwrap_or(FresnelArg::Exact).into(),
+                refraction: args.refraction.unwrap_or(RefractionArg::Stable).into(),
+                oliveira: oliveira(args.refraction.unwrap_or(RefractionArg::Stable), args.oliveira)?,
+                reflection: match args.reflection {
+                    None | Some(ReflectionArg::Traced) => render::Reflection::Traced,
+                    Some(ReflectionArg::Environment) => render::Reflection::Environment,
+                    Some(ReflectionArg::None) => render::Reflection::None,
                 },
-                refraction: args.refraction.into(),
-                oliveira: oliveira(args.refraction, args.oliveira)?,
                 effects,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
@@ -155,6 +189,25 @@ impl TryFrom<RenderArgs> for Render {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+impl From<FresnelArg> for FresnelModel {
+    fn from(arg: FresnelArg) -> Self {
+        match arg {
+            FresnelArg::Exact => Self::Exact,
+            FresnelArg::Schlick => Self::Schlick,
+            FresnelArg::Off => Self::Off,
+        }
+    }
+}
+
+impl From<ShadowsArg> for ShadowRule {
+    fn from(arg: ShadowsArg) -> Self {
+        match arg {
+            ShadowsArg::Opaque => Self::Opaque,
+            ShadowsArg::Straight => Self::Straight,
+        }
     }
 }
 

@@ -35,6 +35,31 @@ pub(super) fn follow<T>(observer: &Observer, pixels: u64, show: bool, work: impl
     })
 }
 
+/// Runs `work`, which may take up to `limit` and says what it is doing; meanwhile, where `show`, a bar on standard
+/// error follows the clock. Nothing is drawn where standard error is no terminal, and the bar is gone afterwards.
+pub(super) fn session<T>(limit: Duration, show: bool, work: impl FnOnce(&(dyn Fn(&str) + Sync)) -> T) -> T {
+    let bar = ProgressBar::with_draw_target(Some(limit.as_secs()), ProgressDrawTarget::stderr());
+    if !show || bar.is_hidden() {
+        return work(&|_| {});
+    }
+    let style = ProgressStyle::with_template("{elapsed:>4} [{bar:24}] {prefix} left  {wide_msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let ticker = scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                let left = limit.saturating_sub(bar.elapsed()).as_secs();
+                bar.set_position(limit.as_secs() - left);
+                bar.set_prefix(format!("{}:{:02}", left / 60, left % 60));
+                thread::park_timeout(TICK);
+            }
+            bar.finish_and_clear();
+        });
+        let _end = EndTicker { done: &done, ticker: ticker.thread().clone() };
+        work(&|what| bar.set_message(what.to_owned()))
+    })
+}
+
 struct EndTicker<'a> {
     done: &'a AtomicBool,
     ticker: thread::Thread,

@@ -8,15 +8,17 @@ use std::time::Instant;
 use super::backend::{self, Traced};
 use super::options::{Exposure, Render, refuse_input};
 use super::summary::{Facts, Seconds, Summary};
-use super::{Verdict, interrupt, metadata, output, progress};
+use super::{Verdict, budget, interrupt, metadata, output, progress};
 use crate::image::{self, Encoding, Film};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::Observer;
 use crate::scene::Scene;
+use crate::study::Spheres;
+use crate::study::spheres::with_spheres;
 use crate::{Error, Result};
 
 /// Loads, renders, writes and reports.
-pub(super) fn run(job: Render) -> Result<Verdict> {
+pub(super) fn run(mut job: Render) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
 
@@ -27,10 +29,19 @@ pub(super) fn run(job: Render) -> Result<Verdict> {
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
 
-    let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
-    let mut traced = progress::follow(&observer, pixels, !job.quiet, || {
-        backend::trace(&scene, job.backend, &job.options, &observer)
-    })?;
+    backend::start_threads(&job.options)?;
+    let (mut traced, spent) = match job.wish {
+        Some(wish) => {
+            let (traced, spent) = budget::render(&mut job, &mut scene, wish, &observer)?;
+            (traced, Some(spent))
+        }
+        None => {
+            if job.spheres != Spheres::Exact {
+                scene = with_spheres(&scene, job.spheres);
+            }
+            (picture(&job, &scene, &observer)?, None)
+        }
+    };
     if job.strict {
         refuse_losses(&job.scene, &traced)?;
     }
@@ -40,8 +51,9 @@ pub(super) fn run(job: Render) -> Result<Verdict> {
     let clipped = interrupt::heeded(|| write(&job, &scene, &traced, &observer))?;
     let write_time = start.elapsed();
 
+    let verdict = if spent.as_ref().is_none_or(|s| s.kept) { Verdict::Done } else { Verdict::Negative };
     if job.quiet && !job.json {
-        return Ok(Verdict::Done);
+        return Ok(verdict);
     }
     let summary = Summary::of(&Facts {
         job: &job,
@@ -49,6 +61,7 @@ pub(super) fn run(job: Render) -> Result<Verdict> {
         report: &report,
         traced: &traced,
         clipped,
+        budget: spent.as_ref(),
         seconds: Seconds {
             load: load_time.as_secs_f64(),
             build: traced.build_time.as_secs_f64(),
@@ -62,7 +75,13 @@ pub(super) fn run(job: Render) -> Result<Verdict> {
     if job.json {
         output::print_json(&summary)?;
     }
-    Ok(Verdict::Done)
+    Ok(verdict)
+}
+
+/// Renders, with a bar.
+pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Result<Traced> {
+    let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
+    progress::follow(observer, pixels, !job.quiet, || backend::trace(scene, job.backend, &job.options, observer))
 }
 
 /// Under `--strict`: what the picture is short of for reasons other than its settings is an error.

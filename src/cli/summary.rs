@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::backend::Traced;
-use super::metadata::{fresnel_name, refraction_name, shadows_name};
+use super::budget::Spent;
+use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
 use crate::image::{Bits, Clipped, Film, Format};
@@ -19,12 +20,13 @@ pub(super) struct Facts<'a> {
     pub report: &'a LoadReport,
     pub traced: &'a Traced,
     pub clipped: Clipped,
+    pub budget: Option<&'a Spent>,
     pub seconds: Seconds,
 }
 
 /// The summary of a render. Its JSON form is this, with the same names.
 #[derive(serde::Serialize)]
-pub(super) struct Summary {
+pub(super) struct Summary<'a> {
     version: &'static str,
     scene: String,
     output: String,
@@ -45,6 +47,9 @@ pub(super) struct Summary {
     truncated: Truncated,
     warnings: Vec<String>,
     defaults: Vec<String>,
+    /// What was chosen for a budget, and whether it was kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    budget: Option<&'a Spent>,
 }
 
 /// The settings that decided the pixels.
@@ -55,8 +60,10 @@ struct Picture {
     samples: u32,
     depth: u32,
     cutoff: f32,
+    wavelengths: u32,
     fresnel: &'static str,
     refraction: String,
+    reflection: &'static str,
     shadows: &'static str,
     exposure: f32,
 }
@@ -130,7 +137,8 @@ impl Truncated {
     fn of(weights: &Film) -> Self {
         let (mut sum, mut max, mut pixels) = (0.0, 0.0_f32, 0);
         for &[r, g, b] in &weights.pixels {
-            let weight = r.max(g).max(b);
+            // Of a wavelength, a channel may weigh less than nothing.
+            let weight = r.abs().max(g.abs()).max(b.abs());
             sum += f64::from(weight);
             max = max.max(weight);
             pixels += u64::from(weight > 0.0);
@@ -139,9 +147,9 @@ impl Truncated {
     }
 }
 
-impl Summary {
-    pub fn of(facts: &Facts) -> Self {
-        let Facts { job, scene, report, traced, clipped, seconds } = facts;
+impl<'a> Summary<'a> {
+    pub fn of(facts: &Facts<'a>) -> Self {
+        let Facts { job, scene, report, traced, clipped, budget, seconds } = facts;
         let (settings, outcome, shapes) = (&scene.settings, &traced.outcome, scene.shape_counts());
         let counts = &outcome.rays;
         Self {
@@ -159,8 +167,10 @@ impl Summary {
                 samples: settings.samples,
                 depth: settings.max_depth,
                 cutoff: settings.cutoff,
+                wavelengths: settings.wavelengths,
                 fresnel: fresnel_name(job.options.fresnel),
                 refraction: refraction_name(&job.options),
+                reflection: reflection_name(job.options.reflection),
                 shadows: shadows_name(settings.shadows),
                 exposure: job.exposure.ev,
             },
@@ -202,6 +212,7 @@ impl Summary {
             truncated: Truncated::of(&outcome.truncated),
             warnings: report.warnings.iter().map(ToString::to_string).collect(),
             defaults: report.defaults.clone(),
+            budget: *budget,
         }
     }
 

@@ -17,8 +17,8 @@ pub(super) fn of(scene: &Scene) -> View {
     let (centre, far) =
         if bounds.is_empty() { (camera.target, 10.0 * distance) } else { (bounds.centre(), 2.0 * bounds.diagonal()) };
     let light = match scene.lights.first().map(|l| l.kind) {
-        Some(LightKind::Point { position } | LightKind::Spot { position, .. }) => position,
         Some(LightKind::Directional { direction }) => centre - direction * far,
+        Some(kind) => kind.position().unwrap_or(centre + far),
         None if bounds.is_empty() => centre + far,
         None => View::light_over(&bounds),
     };

@@ -2,7 +2,7 @@
 
 use super::Reach;
 use crate::geometry::Shape;
-use crate::scene::{Interface, MirrorSource, Rgb, Scene};
+use crate::scene::{Interface, Light, Medium, MirrorSource, Rgb, Scene};
 
 /// Surfaces that are not there which a ray may pass in a row.
 const MOST_PASSES: f64 = 256.0;
@@ -39,10 +39,13 @@ impl RayBound {
                 && (material.diffuse != crate::scene::Colour::Constant(Rgb::ZERO) || material.highlight.is_some())
         });
         let casting = scene.lights.iter().filter(|l| l.shadows && l.intensity != Rgb::ZERO);
-        let shadows = if answering { casting.count() as u32 } else { 0 };
+        // Of a lamp with an extent, its points and the corners that are asked besides.
+        let points = |l: &Light| if l.kind.is_extended() { settings.lamps.count + 4 } else { 1 };
+        let shadows = if answering { casting.map(points).sum() } else { 0 };
+        let dispersing = scene.media.iter().any(Medium::disperses);
         // Shares add up to at most 1, so that at any level at most 1 / cutoff rays weigh enough to go on (thrice as
         // many where the channels of fixed shares differ); what rounding adds is far below a hundredth.
-        let weighty = if settings.cutoff > 0.0 && conserves(scene, &sending) {
+        let weighty = if settings.cutoff > 0.0 && conserves(scene, &sending) && !dispersing {
             3.03 / f64::from(settings.cutoff)
         } else {
             f64::INFINITY
@@ -52,6 +55,10 @@ impl RayBound {
         for _ in 0..depth {
             level = (level * f64::from(fan)).min(weighty);
             rays += level;
+        }
+        if dispersing {
+            // White light divides once on its way; each wavelength then goes no further than it would.
+            rays *= f64::from(settings.wavelengths.max(7));
         }
         if passing {
             rays *= 1.0 + MOST_PASSES;

@@ -45,12 +45,14 @@ effects! {
     Diffuse, "diffuse", "no surface has a colour of its own under lights";
     Highlight, "highlight", "lights leave no bright spots";
     HardShadows, "hard-shadows", "lights shine through everything";
+    SoftShadows, "soft-shadows", "lamps with an extent shine from their middles";
     ShadowsThroughGlass, "shadows-through-glass", "transparent surfaces cast shadows as opaque ones do";
     Mirror, "mirror", "mirrors show their base colour alone";
     Conductor, "conductor", "metals show their base colour alone";
     Refraction, "refraction", "light goes straight on through transparent surfaces";
     FresnelSplit, "fresnel-split", "clear surfaces reflect nothing but what they reflect totally";
     TotalInternalReflection, "total-internal-reflection", "light that would be reflected totally ends";
+    Dispersion, "dispersion", "media have one index for all of light, that at the line d";
     Absorption, "absorption", "media take nothing of light";
     NestedMedia, "nested-media", "where media overlap, the last entered fills the space";
     Environment, "environment", "rays that meet nothing see black";

@@ -103,6 +103,8 @@ impl Reach {
                     side != Side::Across && side != seen
                 }
                 LightKind::Directional { direction } => comes_from_beyond(shell, direction, seen),
+                // Part of it may reach past the shell.
+                LightKind::Sphere { .. } | LightKind::Rectangle { .. } => false,
             };
             if beyond && light.shadows && useless.is_none() {
                 let what = if shell.is_plane() { "is behind" } else { "is parted from the view by" };

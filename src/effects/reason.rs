@@ -45,6 +45,7 @@ impl<'a> Facts<'a> {
             Effect::Diffuse => self.lit(|m| m.diffuse != Colour::Constant(Rgb::ZERO), "has a diffuse colour"),
             Effect::Highlight => self.lit(|m| m.highlight.is_some(), "has a highlight"),
             Effect::HardShadows => self.shadows(),
+            Effect::SoftShadows => self.soft_shadows(),
             Effect::ShadowsThroughGlass => self.shadows_through_glass(),
             Effect::Mirror => self.interfaces(|i| matches!(i, Interface::Mirror { .. }), "is a mirror", "a mirror"),
             Effect::Conductor => self.interfaces(|i| matches!(i, Interface::Conductor { .. }), "is a metal", "a metal"),
@@ -70,6 +71,7 @@ impl<'a> Facts<'a> {
                 "no clear surface splits light by angle",
             ),
             Effect::TotalInternalReflection => self.total(),
+            Effect::Dispersion => self.dispersion(),
             Effect::Absorption => self.absorption(),
             Effect::NestedMedia => self.stack(),
             Effect::Environment => match scene.environment {
@@ -194,6 +196,30 @@ impl<'a> Facts<'a> {
         match self.answering() {
             (true, why) => (true, format!("`{}` casts shadows; {why}", self.scene.lights[casting].name)),
             no => no,
+        }
+    }
+
+    fn soft_shadows(&self) -> Answer {
+        let useful = match self.useful_lights() {
+            Ok(useful) => useful,
+            Err(why) => return (false, why),
+        };
+        let Some(&wide) = useful.iter().find(|&&l| self.scene.lights[l].kind.is_extended()) else {
+            return off("no lamp has an extent");
+        };
+        match self.answering() {
+            (true, why) => (true, format!("`{}` has an extent; {why}", self.scene.lights[wide].name)),
+            no => no,
+        }
+    }
+
+    fn dispersion(&self) -> Answer {
+        let disperses = |m: &&crate::scene::Medium| m.disperses();
+        let reached = self.media.iter().map(|&m| &self.scene.media[m as usize]);
+        match (reached.clone().find(disperses), self.scene.media.iter().find(disperses)) {
+            (Some(medium), _) => (true, format!("`{}` bends each wavelength by its own index", medium.name)),
+            (None, Some(medium)) => (false, format!("`{}` disperses, but no ray gets into it", medium.name)),
+            (None, None) => off("no medium disperses"),
         }
     }
 

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use super::{Effect, EffectSet};
 use crate::geometry::Shape;
-use crate::scene::{Colour, Environment, FresnelRule, Interface, Rgb, Scene, ShadowRule, Texture};
+use crate::scene::{
+    Colour, Dispersion, Environment, FresnelRule, Interface, LightKind, Rgb, Scene, ShadowRule, Texture,
+};
 
 /// The scene without some effects: as [`Effect::left_out`] says of each. Refraction and total internal reflection are
 /// no data of a scene; renderers leave them out by themselves. Shapes stay where they are, so that a hierarchy built of
@@ -36,6 +38,14 @@ fn take_out(scene: &mut Scene, effect: Effect) {
         Effect::Diffuse => materials.for_each(|m| m.diffuse = Colour::Constant(Rgb::ZERO)),
         Effect::Highlight => materials.for_each(|m| m.highlight = None),
         Effect::HardShadows => scene.lights.iter_mut().for_each(|l| l.shadows = false),
+        Effect::SoftShadows => {
+            for light in &mut scene.lights {
+                if let (true, Some(position)) = (light.kind.is_extended(), light.kind.position()) {
+                    light.kind = LightKind::Point { position };
+                }
+            }
+        }
+        Effect::Dispersion => scene.media.iter_mut().for_each(|m| m.dispersion = Dispersion::None),
         Effect::ShadowsThroughGlass => scene.settings.shadows = ShadowRule::Opaque,
         Effect::Mirror => materials.for_each(opaque_where(|i| matches!(i, Interface::Mirror { .. }))),
         Effect::Conductor => materials.for_each(opaque_where(|i| matches!(i, Interface::Conductor { .. }))),

@@ -1,7 +1,7 @@
 //! Where a ray that leaves a surface starts: the place on the shape, its outward normal, and how far off it rounding
 //! can have put either the place or the shape. There is no global epsilon; the bound is that of each hit.
 
-use crate::math::{Real, Vector3, gamma};
+use crate::math::{LaneMask, Real, Vector3, gamma};
 
 /// A place on a surface, with the bound that keeps a new ray off it.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,9 @@ impl<R: Real> Spot<R> {
     /// for the offset itself) and what rounding in the intersection test can move a triangle of this size: four units of
     /// the longest edge, as many times more as the triangle is longer than high, because the test's weights are quotients
     /// by its area.
+    ///
+    /// Three corners in line can be hit, where rounding makes them as wide as itself. They have no side: `outward` is then
+    /// any direction across the line.
     #[inline(always)]
     #[must_use]
     pub fn on_triangle([a, b, c]: [Vector3<R>; 3], u: R, v: R) -> Self {
@@ -33,7 +36,7 @@ impl<R: Real> Spot<R> {
         // Scaled to size 1, so that the product of tiny edges does not underflow.
         let scale = R::one() / size;
         let spanned = (e1 * scale).cross(e2 * scale);
-        let thickness = spanned.length();
+        let (spanned, thickness) = across_where_flat(e1 * scale, spanned, spanned.length());
         let outward = spanned * (R::one() / thickness);
         let reach = outward.abs().dot(magnitude) * units(9) + size * units(4) / thickness;
         Self { point, outward, reach }
@@ -67,6 +70,23 @@ impl<R: Real> Spot<R> {
     }
 }
 
+/// The normal of a triangle and its length, both of size about 1; where there is none, a unit vector across its first edge.
+#[inline(always)]
+fn across_where_flat<R: Real>(edge: Vector3<R>, normal: Vector3<R>, length: R) -> (Vector3<R>, R) {
+    let (zero, one) = (R::zero(), R::one());
+    let sound = length.gt(zero);
+    if sound.all() {
+        return (normal, length);
+    }
+    let steep = edge.x.abs().gt(edge.z.abs());
+    let across = Vector3::new(
+        R::select(steep, -edge.y, zero),
+        R::select(steep, edge.x, -edge.z),
+        R::select(steep, zero, edge.y),
+    );
+    (Vector3::select(sound, normal, across.normalized()), R::select(sound, length, one))
+}
+
 /// [`gamma`] as a number of any kind.
 #[inline(always)]
 fn units<R: Real>(n: u32) -> R {
@@ -78,6 +98,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
+    use crate::geometry::{Ray, triangle};
 
     /// RT-15, RT-16, SI-04: over places up to 1e6 and triangles up to a thousand times longer than high, the point lies
     /// on the triangle's plane well within `reach`, and the normal is as right as corners of that rounding let it be.
@@ -115,5 +136,42 @@ mod tests {
             let angle = outward.cross(normal).length().atan2(outward.dot(normal));
             assert!(angle <= 8.0 * u * longest / height, "{angle:e} off, {longest} by {height}: {corners:?}");
         }
+    }
+
+    /// Corners in line: rays aimed along the line do meet it, and what starts there is a number and does not meet it again.
+    #[test]
+    fn a_triangle_without_area_can_be_hit_and_is_left_by_some_side() {
+        let mut seed = 0x51_7cc1_b727_220a_u64;
+        let mut unit = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 40) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            // Multiples of 2^-8 and twice their differences: exactly in line.
+            let mut point = || Vec3::new(unit(), unit(), unit());
+            let (a, d) = ((point() * 256.0).round() / 256.0, (point() * 256.0).round() / 256.0);
+            if d == Vec3::ZERO {
+                continue;
+            }
+            let corners = [a, a + d, a + d * 2.0];
+            let (origin, along) = (point() * 4.0, point().x.abs());
+            let ray = Ray::new(origin, (corners[0].lerp(corners[2], along) - origin).normalize());
+            let Some((_, u, v)) = triangle::intersect(&ray, corners) else { continue };
+            hits += 1;
+            let spot = Spot::on_triangle(corners.map(Vector3::<f32>::from), u, v);
+            let outward = Vec3::from(spot.outward);
+            assert!((outward.length() - 1.0).abs() < 1e-6 && outward.dot(d.normalize()).abs() < 1e-6, "{outward}");
+            assert!(spot.reach > 0.0 && spot.reach < 1e-4, "{}", spot.reach);
+            for side in [spot.outward, -spot.outward] {
+                for towards in [side, (Vec3::from(side) + ray.dir).into(), (Vec3::from(side) - ray.dir).into()] {
+                    let next = Ray::new(spot.leave(side).into(), towards.into());
+                    if Vec3::from(side).dot(next.dir) > 0.0 {
+                        assert_eq!(triangle::intersect(&next, corners), None, "{corners:?} {next:?}");
+                    }
+                }
+            }
+        }
+        assert!(hits > 100, "{hits} of 20,000 met the line");
     }
 }

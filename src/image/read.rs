@@ -185,7 +185,7 @@ mod tests {
         film.pixels.as_flattened().iter().map(|x| x.to_bits()).collect()
     }
 
-    /// Case AC-07 of the catalogue.
+    /// Cases AC-06 (channels are of 32 bits, which 70,000 fits into), AC-07 of the catalogue.
     #[test]
     fn exr_and_pfm_give_back_every_bit() {
         let mut film = film();

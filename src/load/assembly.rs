@@ -111,7 +111,12 @@ impl<'a> Assembly<'a> {
             );
             self.reporter.warn(&file, line as usize, &kind, String::new)?;
         }
-        if pictured && !matches!(&shape, Shape::Mesh(mesh) if !mesh.uvs.is_empty()) {
+        let mapped = match &shape {
+            Shape::Mesh(mesh) => !mesh.uvs.is_empty(),
+            Shape::Sphere(_) => true,
+            Shape::Plane(_) => false,
+        };
+        if pictured && !mapped {
             let kind = format!("`{name}` has a picture but no texture coordinates: it shows one pixel of it");
             self.reporter.warn(&file, origin.line as usize, &kind, String::new)?;
         }

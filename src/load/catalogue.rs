@@ -1,10 +1,11 @@
-//! Substances by name: refractive indices at the sodium-yellow line and metals' complex indices.
+//! Substances by name: refractive indices, how they depend on the wavelength, and metals' complex indices.
 //!
 //! Names are found whatever their case, spaces, underscores and hyphens.
 
 use glam::Vec3;
 
 use super::suggest::hint;
+use crate::scene::Dispersion;
 
 /// A transparent substance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,7 +14,10 @@ pub struct Transparent {
     pub names: &'static [&'static str],
     /// Refractive index against air, near 587.6 nm (helium d) unless the source says otherwise.
     pub ior: f64,
-    /// Where the index is from.
+    /// How the index depends on the wavelength, where that is known; at 587.6 nm it is `ior` to within what the source
+    /// of `ior` rounds.
+    pub dispersion: Dispersion,
+    /// Where the numbers are from.
     pub source: &'static str,
 }
 
@@ -28,34 +32,124 @@ pub struct Metal {
     pub k: Vec3,
 }
 
-const fn clear(names: &'static [&'static str], ior: f64, source: &'static str) -> Transparent {
-    Transparent { names, ior, source }
+const fn clear(names: &'static [&'static str], ior: f64, dispersion: Dispersion, source: &'static str) -> Transparent {
+    Transparent { names, ior, dispersion, source }
+}
+
+/// Three of Sellmeier's terms, as glass makers print them: all `B`, then all `C`.
+const fn glass(b: [f64; 3], c: [f64; 3]) -> Dispersion {
+    Dispersion::Sellmeier([[b[0], c[0]], [b[1], c[1]], [b[2], c[2]], [0.0, 0.0]])
+}
+
+/// Three of Sellmeier's terms by their resonances in micrometres, the square roots of `C`.
+const fn resonances(b: [f64; 3], um: [f64; 3]) -> Dispersion {
+    glass(b, [um[0] * um[0], um[1] * um[1], um[2] * um[2]])
+}
+
+const fn cauchy(a: f64, b: f64, c: f64) -> Dispersion {
+    Dispersion::Cauchy([a, b, c])
 }
 
 /// Glasses, crystals, plastics and liquids.
 pub const TRANSPARENT: &[Transparent] = &[
-    clear(&["air", "vacuum"], 1.0, "by definition: indices here are against air"),
-    clear(&["bk7", "n-bk7", "crown"], 1.51680, "Schott data sheet N-BK7, n_d"),
-    clear(&["sf11", "n-sf11"], 1.78472, "Schott data sheet N-SF11, n_d"),
-    clear(&["sf10", "n-sf10"], 1.72828, "Schott data sheet N-SF10, n_d"),
-    clear(&["flint", "f2", "n-f2"], 1.62005, "Schott data sheet N-F2, n_d"),
-    clear(&["fused silica", "silica", "quartz glass"], 1.45846, "Malitson 1965"),
-    clear(&["soda lime", "window glass", "glass"], 1.523, "Rubin 1985, clear float glass"),
-    clear(&["borosilicate", "pyrex"], 1.474, "Corning 7740 data sheet, 589.3 nm"),
-    clear(&["quartz", "rock crystal"], 1.54426, "Ghosh 1999, ordinary ray"),
-    clear(&["sapphire"], 1.76817, "Malitson 1962, ordinary ray"),
-    clear(&["fluorite"], 1.43385, "Malitson 1963"),
-    clear(&["diamond"], 2.417, "Peter 1923, 589 nm"),
-    clear(&["cubic zirconia", "zirconia"], 2.159, "Wood & Nassau 1982"),
-    clear(&["acrylic", "pmma", "plexiglass"], 1.4906, "Sultanova 2009"),
-    clear(&["polycarbonate"], 1.585, "Sultanova 2009"),
-    clear(&["amber"], 1.54, "gemmological tables, 1.539 to 1.545"),
-    clear(&["ice"], 1.31, "Warren & Brandt 2008"),
-    clear(&["water"], 1.333, "Hale & Querry 1973; 20 degrees C"),
-    clear(&["ethanol", "alcohol"], 1.361, "CRC handbook; 20 degrees C, 589.3 nm"),
-    clear(&["glycerol", "glycerine"], 1.473, "CRC handbook; 20 degrees C, 589.3 nm"),
-    clear(&["oil", "vegetable oil", "olive oil"], 1.47, "CRC handbook, 1.467 to 1.473"),
-    clear(&["immersion oil"], 1.515, "ISO 8036, n_e 1.518"),
+    clear(&["air", "vacuum"], 1.0, Dispersion::None, "by definition: indices here are against air"),
+    clear(
+        &["bk7", "n-bk7", "crown"],
+        1.51680,
+        glass([1.039_612_12, 0.231_792_344, 1.010_469_45], [0.006_000_698_67, 0.020_017_914_4, 103.560_653]),
+        "Schott data sheet N-BK7, V_d 64.17",
+    ),
+    clear(
+        &["sf11", "n-sf11"],
+        1.78472,
+        glass([1.737_596_95, 0.313_747_346, 1.898_781_01], [0.013_188_707, 0.062_306_814_2, 155.236_29]),
+        "Schott data sheet N-SF11, V_d 25.68",
+    ),
+    clear(
+        &["sf10", "n-sf10"],
+        1.72828,
+        glass([1.621_539_02, 0.256_287_842, 1.644_475_52], [0.012_224_145_7, 0.059_573_677_5, 147.468_793]),
+        "Schott data sheet N-SF10, V_d 28.53",
+    ),
+    clear(
+        &["flint", "f2", "n-f2"],
+        1.62005,
+        glass([1.397_570_37, 0.159_201_403, 1.268_654_3], [0.009_959_061_43, 0.054_693_175_2, 119.248_346]),
+        "Schott data sheet N-F2, V_d 36.43",
+    ),
+    clear(
+        &["fused silica", "silica", "quartz glass"],
+        1.45846,
+        resonances([0.696_166_3, 0.407_942_6, 0.897_479_4], [0.068_404_3, 0.116_241_4, 9.896_161]),
+        "Malitson 1965",
+    ),
+    clear(
+        &["soda lime", "window glass", "glass"],
+        1.523,
+        // Its formula has a term in the square of the wavelength; the Abbe number of that formula is 63.97.
+        cauchy(1.510_971, 0.004_284_58, 0.0),
+        "Rubin 1985, clear float glass",
+    ),
+    clear(&["borosilicate", "pyrex"], 1.474, Dispersion::None, "Corning 7740 data sheet, 589.3 nm"),
+    clear(
+        &["quartz", "rock crystal"],
+        1.54426,
+        glass([0.286_041_41, 1.070_440_83, 1.102_022_42], [0.0, 0.010_058_599_7, 100.0]),
+        "Ghosh 1999, ordinary ray",
+    ),
+    clear(
+        &["sapphire"],
+        1.76817,
+        resonances([1.431_349_3, 0.650_547_13, 5.341_402_1], [0.072_663_1, 0.119_324_2, 18.028_251]),
+        "Malitson 1962, ordinary ray, V_d 72.3",
+    ),
+    clear(
+        &["fluorite"],
+        1.43385,
+        resonances([0.567_588_8, 0.471_091_4, 3.848_472_3], [0.050_263_605, 0.100_390_9, 34.649_040]),
+        "Malitson 1963, V_d 95.0",
+    ),
+    clear(&["diamond"], 2.417, resonances([0.3306, 4.3356, 0.0], [0.175, 0.106, 0.0]), "Peter 1923, 589 nm; V_d 55.3"),
+    clear(
+        &["cubic zirconia", "zirconia"],
+        2.159,
+        resonances([1.347_091, 2.117_788, 9.452_943], [0.062_543, 0.166_739, 24.320_570]),
+        "Wood & Nassau 1982, V_d 33.5",
+    ),
+    clear(
+        &["acrylic", "pmma", "plexiglass"],
+        1.4906,
+        glass([1.1819, 0.0, 0.0], [0.011_313, 0.0, 0.0]),
+        "Sultanova 2009",
+    ),
+    clear(&["polycarbonate"], 1.585, glass([1.4182, 0.0, 0.0], [0.021_304, 0.0, 0.0]), "Sultanova 2009, V_d 27.9"),
+    clear(&["amber"], 1.54, Dispersion::None, "gemmological tables, 1.539 to 1.545"),
+    clear(&["ice"], 1.31, Dispersion::None, "Warren & Brandt 2008"),
+    clear(
+        &["water"],
+        1.333,
+        Dispersion::Sellmeier([
+            [0.568_402_756_5, 0.005_101_829_712],
+            [0.172_617_739_1, 0.018_211_539_36],
+            [0.020_861_895_78, 0.026_207_222_93],
+            [0.113_074_868_8, 10.697_927_21],
+        ]),
+        "Hale & Querry 1973; the curve from Daimon & Masumura 2007, V_d 55.8; 20 degrees C",
+    ),
+    clear(
+        &["ethanol", "alcohol"],
+        1.361,
+        cauchy(1.352_65, 0.003_06, 0.000_02),
+        "CRC handbook, 589.3 nm; the curve from Rheims 1997; 20 degrees C",
+    ),
+    clear(
+        &["glycerol", "glycerine"],
+        1.473,
+        cauchy(1.457_97, 0.005_98, -0.000_36),
+        "CRC handbook, 589.3 nm; the curve from Rheims 1997; 20 degrees C",
+    ),
+    clear(&["oil", "vegetable oil", "olive oil"], 1.47, Dispersion::None, "CRC handbook, 1.467 to 1.473"),
+    clear(&["immersion oil"], 1.515, Dispersion::None, "ISO 8036, n_e 1.518"),
 ];
 
 /// Metals, from measured spectra weighted to linear sRGB (the table that Mitsuba and Tungsten use, after Palik 1985

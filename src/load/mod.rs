@@ -5,6 +5,7 @@
 //! counted in the [`LoadReport`]; nothing is repaired in silence.
 
 mod assembly;
+mod brief;
 pub mod catalogue;
 mod document;
 mod model;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use super::brief::brief;
 use crate::{Error, Result};
 
 /// Different warnings kept with their own text; what comes after them is only counted.
@@ -73,7 +74,7 @@ impl Reporter {
             self.report.warnings[place].count += 1;
             return Ok(());
         }
-        let message = kind.to_owned() + &detail();
+        let message = brief(kind.to_owned() + &detail());
         if self.strict {
             return Err(if line > 0 { Error::at(file, line, message) } else { Error::file(file, message) });
         }

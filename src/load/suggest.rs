@@ -22,7 +22,8 @@ pub(crate) fn hint<'a>(given: &str, known: impl IntoIterator<Item = &'a str> + C
     if let Some(name) = nearest(given, known.clone()) {
         return format!("; did you mean `{name}`?");
     }
-    let all: Vec<&str> = known.into_iter().take(40).collect();
+    // A name that long is noise, too.
+    let all: Vec<&str> = known.into_iter().filter(|name| name.len() <= 64).take(40).collect();
     if all.is_empty() { String::new() } else { format!("; known are {}", all.join(", ")) }
 }
 

@@ -8,6 +8,7 @@
 mod absorb;
 mod boundary;
 mod conductor;
+mod disperse;
 mod fresnel;
 mod normal;
 pub mod oracle;
@@ -15,10 +16,12 @@ mod planar;
 mod polarised;
 mod reflect;
 mod refraction;
+mod spectrum;
 
 pub use absorb::{absorption_from_colour, transmittance};
 pub use boundary::{Boundary, Crossing};
 pub use conductor::{conductor_at_normal, conductor_exact, conductor_schlick};
+pub use disperse::{LINE_C, LINE_D, LINE_F, abbe_number, cauchy_from_abbe};
 pub use fresnel::{AtNormal, Exact, FresnelFormula, FresnelModel, Schlick, thin_reflectance};
 pub use normal::{below_surface, consistent_normal};
 pub use planar::PlanarReflection;
@@ -28,3 +31,4 @@ pub use refraction::{
     Bec, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable, StraightThrough,
     Trigonometric,
 };
+pub use spectrum::{Bands, FEWEST_BANDS, SEPARATION, Spectrum, VISIBLE, colour_matching, linear_srgb};

@@ -15,13 +15,14 @@ use crate::simd::{F32x8, Vec3x8};
 /// arrives if nothing is in the way as its weight, or, where the light casts no shadows, to their pixels.
 pub type LightStage = fn(&mut Shading, usize, &[Surface8], &[Base8]);
 
-/// The stage for a light on surfaces some of which have highlights (`shiny`).
+/// The stage for a light on surfaces some of which have highlights (`shiny`); none for one with an extent.
 #[must_use]
-pub fn pick(light: &Light, shiny: bool, shadows: bool) -> LightStage {
+pub fn pick(light: &Light, shiny: bool, shadows: bool) -> Option<LightStage> {
     match light.kind {
-        LightKind::Point { .. } => pick_for::<FromPoint>(light.falloff, shiny, shadows),
-        LightKind::Spot { .. } => pick_for::<FromSpot>(light.falloff, shiny, shadows),
-        LightKind::Directional { .. } => pick_for::<FromAfar>(light.falloff, shiny, shadows),
+        LightKind::Point { .. } => Some(pick_for::<FromPoint>(light.falloff, shiny, shadows)),
+        LightKind::Spot { .. } => Some(pick_for::<FromSpot>(light.falloff, shiny, shadows)),
+        LightKind::Directional { .. } => Some(pick_for::<FromAfar>(light.falloff, shiny, shadows)),
+        LightKind::Sphere { .. } | LightKind::Rectangle { .. } => None,
     }
 }
 
@@ -91,7 +92,7 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
 
 /// The highlight's cosine to its exponent, for unit directions to the light.
 #[inline(always)]
-fn lobe(base: &Base8, surface: &Surface8, to_light: Vec3x8) -> F32x8 {
+pub(super) fn lobe(base: &Base8, surface: &Surface8, to_light: Vec3x8) -> F32x8 {
     let phong = -reflect(-to_light, surface.shading).dot(surface.incident);
     let blinn = (to_light - surface.incident).normalized().dot(surface.shading);
     let cos = Real::select(base.blinn, blinn, phong).max(F32x8::ZERO).min(F32x8::ONE);

@@ -2,15 +2,25 @@
 //!
 //! Nested dielectrics after Schmidt & Budge 2002 ("Simple nested dielectrics in ray traced images"), with a rule for
 //! surfaces left that were never entered; `src/README.md`, "What a ray does", step 3, states all of it.
+//!
+//! The wavelength of a ray is part of its stack: a red ray in glass has another stack than a blue or a white one, so
+//! that every table of this file has the indices of that wavelength, and a ray carries nothing more for it.
 
 use std::collections::HashMap;
 
-use crate::optics::Boundary;
+use crate::optics::{Boundary, Spectrum};
 use crate::scene::{Medium, Rgb};
 
 /// An interned stack; its meaning is local to one [`MediaTable`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct StackId(u32);
+
+/// A number for a fan of wavelengths; its meaning is local to one [`MediaTable`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FanId(u32);
+
+/// Stacks that one table holds before it begins anew with the next sample.
+const MANY_STACKS: usize = 1 << 12;
 
 /// Stacks that one table holds before it refuses more: far above any scene, and a bound on its memory.
 const MOST_STACKS: usize = 1 << 16;
@@ -28,51 +38,131 @@ pub struct Transition {
     pub beyond: StackId,
     /// Whether the ray leaves a medium that it never entered.
     pub unmatched: bool,
+    /// Where white light crosses into or out of a medium that disperses it: what each wavelength does.
+    pub fan: Option<FanId>,
+}
+
+/// A boundary for each wavelength of the current set.
+#[derive(Clone, Debug, Default)]
+pub struct Fan {
+    /// The wavelengths, rising.
+    pub bands: Vec<Band>,
+    /// The bands that are refracted least and most, by the ratio of their indices.
+    pub outermost: [usize; 2],
+}
+
+/// One wavelength at a boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Band {
+    /// The boundary it meets.
+    pub boundary: Boundary<f32>,
+    /// The stack of a ray of that wavelength that crosses.
+    pub beyond: StackId,
 }
 
 /// Interned stacks, their top media, and every transition met so far. One a thread: ids never leave it.
 #[derive(Debug)]
 pub struct MediaTable<'a> {
     media: &'a [Medium],
-    stacks: Vec<Vec<u32>>,
-    ids: HashMap<Vec<u32>, StackId>,
+    /// What white light divides into; none where it does not.
+    spectrum: Option<Spectrum>,
+    /// The set of wavelengths of the current sample.
+    set: usize,
+    stacks: Vec<Stack>,
+    ids: HashMap<Stack, StackId>,
     /// By stack, then `medium * 2 + entering`.
     transitions: Vec<Vec<Option<Transition>>>,
     tops: Vec<Top>,
+    /// By fan, what it is made of.
+    plans: Vec<Plan>,
+    /// By fan, then set; without bands until learned.
+    fans: Vec<Vec<Fan>>,
+}
+
+/// The media a ray has entered, and its wavelength: 0 is white, others count through all sets.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Stack {
+    entered: Vec<u32>,
+    wave: u32,
+}
+
+/// A boundary whose wavelengths may part: the media on its sides, and those a ray behind it has entered.
+#[derive(Clone, Debug)]
+struct Plan {
+    from: u32,
+    to: u32,
+    entered: Vec<u32>,
 }
 
 /// What the medium on top of a stack does to a ray inside it.
 #[derive(Clone, Copy, Debug)]
 struct Top {
     medium: u32,
+    ior: f64,
     absorption: Rgb,
     absorbs: bool,
 }
 
 impl<'a> MediaTable<'a> {
-    /// A table over the scene's media, of which the first surrounds everything.
+    /// A table over the scene's media, of which the first surrounds everything. White light stays white.
     #[must_use]
     pub fn new(media: &'a [Medium]) -> Self {
-        let mut table =
-            Self { media, stacks: Vec::new(), ids: HashMap::new(), transitions: Vec::new(), tops: Vec::new() };
-        // The empty stack is id 0, the default.
-        table.intern(Vec::new());
+        let mut table = Self {
+            media,
+            spectrum: None,
+            set: 0,
+            stacks: Vec::new(),
+            ids: HashMap::new(),
+            transitions: Vec::new(),
+            tops: Vec::new(),
+            plans: Vec::new(),
+            fans: Vec::new(),
+        };
+        table.clear();
         table
     }
 
-    /// The stack of a ray that entered `entered` in this order.
+    /// The same, with white light divided where media disperse it.
+    #[must_use]
+    pub fn dispersing(media: &'a [Medium], spectrum: Spectrum) -> Self {
+        Self { spectrum: Some(spectrum), ..Self::new(media) }
+    }
+
+    /// Makes ready for the `sample`th rays of the pixels, with the wavelengths of those. Stacks and fans of earlier
+    /// samples mean nothing any more.
+    pub fn begin_sample(&mut self, sample: u32) {
+        if let Some(spectrum) = &self.spectrum {
+            self.set = spectrum.set_of(sample);
+            if self.stacks.len() > MANY_STACKS {
+                self.clear();
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        self.stacks.clear();
+        self.ids.clear();
+        self.transitions.clear();
+        self.tops.clear();
+        self.plans.clear();
+        self.fans.clear();
+        // The empty stack is id 0, the default.
+        self.intern(Stack { entered: Vec::new(), wave: 0 });
+    }
+
+    /// The stack of a white ray that entered `entered` in this order.
     pub fn stack_of(&mut self, entered: &[u32]) -> StackId {
         let mut stack = Vec::new();
         for &m in entered {
             insert(&mut stack, m, self.media);
         }
-        self.intern(stack)
+        self.intern(Stack { entered: stack, wave: 0 })
     }
 
     /// The media a ray with this stack has entered, highest priority last.
     #[must_use]
     pub fn entered(&self, stack: StackId) -> &[u32] {
-        &self.stacks[stack.0 as usize]
+        &self.stacks[stack.0 as usize].entered
     }
 
     /// The medium a ray with this stack is in.
@@ -82,11 +172,11 @@ impl<'a> MediaTable<'a> {
         self.tops[stack.0 as usize].medium
     }
 
-    /// Its index of refraction.
+    /// Its index of refraction for light of the ray's wavelength.
     #[inline]
     #[must_use]
     pub fn ior(&self, stack: StackId) -> f64 {
-        self.media[self.top(stack) as usize].ior
+        self.tops[stack.0 as usize].ior
     }
 
     /// Its absorption per scene unit; `None` where it absorbs nothing.
@@ -109,34 +199,104 @@ impl<'a> MediaTable<'a> {
         new
     }
 
-    fn resolve(&mut self, stack: StackId, medium: u32, entering: bool) -> Transition {
-        let mut list = self.stacks[stack.0 as usize].clone();
-        let current = self.top(stack);
-        let ior = |m: u32| self.media[m as usize].ior;
-        let (real, n1, n2, unmatched) = if entering {
-            let real = self.media[medium as usize].priority >= self.media[current as usize].priority;
-            insert(&mut list, medium, self.media);
-            (real, ior(current), ior(medium), false)
-        } else if let Some(at) = list.iter().rposition(|&m| m == medium) {
-            list.remove(at);
-            (medium == current, ior(medium), ior(filling(&list, self.media)), false)
-        } else {
-            (true, ior(medium), ior(current), true)
-        };
-        // A table that is full keeps the ray in its stack: wrong media in a scene of 65,536 nestings, but bounded.
-        let beyond = if self.stacks.len() < MOST_STACKS { self.intern(list) } else { stack };
-        let thin_side = Boundary::new(n1.min(n2), n1.max(n2));
-        Transition { real, boundary: Boundary::new(n1, n2), thin_side, beyond, unmatched }
+    /// How many wavelengths a white ray divides into.
+    #[must_use]
+    pub fn bands(&self) -> usize {
+        self.spectrum.as_ref().map_or(0, |s| s.sets()[self.set].nm.len())
     }
 
-    fn intern(&mut self, stack: Vec<u32>) -> StackId {
+    /// What the `k`th wavelength of the current set adds to each channel of white.
+    #[must_use]
+    pub fn band_weight(&self, k: usize) -> Rgb {
+        self.spectrum.as_ref().map_or(Rgb::ZERO, |s| s.sets()[self.set].weight[k].into())
+    }
+
+    /// Sees to it that [`MediaTable::known_fan`] has this fan for the current set.
+    #[inline]
+    pub fn learn_fan(&mut self, id: FanId) {
+        let (fan, set) = (id.0 as usize, self.set);
+        if self.fans[fan][set].bands.is_empty() {
+            self.fans[fan][set] = self.spread(fan);
+        }
+    }
+
+    /// What each wavelength of the current set does where a white ray crosses; learned before.
+    #[inline]
+    #[must_use]
+    pub fn known_fan(&self, id: FanId) -> &Fan {
+        &self.fans[id.0 as usize][self.set]
+    }
+
+    fn resolve(&mut self, stack: StackId, medium: u32, entering: bool) -> Transition {
+        let Stack { entered: mut list, wave } = self.stacks[stack.0 as usize].clone();
+        let current = self.top(stack);
+        let (real, from, to, unmatched) = if entering {
+            let real = self.media[medium as usize].priority >= self.media[current as usize].priority;
+            insert(&mut list, medium, self.media);
+            (real, current, medium, false)
+        } else if let Some(at) = list.iter().rposition(|&m| m == medium) {
+            list.remove(at);
+            (medium == current, medium, filling(&list, self.media), false)
+        } else {
+            (true, medium, current, true)
+        };
+        let disperses = |m: u32| self.media[m as usize].disperses();
+        let parts = real && wave == 0 && self.spectrum.is_some() && (disperses(from) || disperses(to));
+        let fan = parts.then(|| {
+            let sets = self.spectrum.as_ref().map_or(0, |s| s.sets().len());
+            self.plans.push(Plan { from, to, entered: list.clone() });
+            self.fans.push(vec![Fan::default(); sets]);
+            FanId(self.plans.len() as u32 - 1)
+        });
+        let (n1, n2) = (self.index(from, wave), self.index(to, wave));
+        let beyond = self.beyond(stack, Stack { entered: list, wave });
+        let thin_side = Boundary::new(n1.min(n2), n1.max(n2));
+        Transition { real, boundary: Boundary::new(n1, n2), thin_side, beyond, unmatched, fan }
+    }
+
+    fn spread(&mut self, fan: usize) -> Fan {
+        let Plan { from, to, entered } = self.plans[fan].clone();
+        let count = self.bands() as u32;
+        let first = 1 + self.set as u32 * count;
+        let (mut bands, mut ratios) = (Vec::new(), Vec::new());
+        for wave in first..first + count {
+            let (n1, n2) = (self.index(from, wave), self.index(to, wave));
+            let beyond = self.beyond(StackId::default(), Stack { entered: entered.clone(), wave });
+            bands.push(Band { boundary: Boundary::new(n1, n2), beyond });
+            ratios.push(n1 / n2);
+        }
+        let by_ratio = |a: &usize, b: &usize| ratios[*a].total_cmp(&ratios[*b]);
+        let [least, most] = [(0..bands.len()).min_by(by_ratio), (0..bands.len()).max_by(by_ratio)];
+        Fan { bands, outermost: [least.unwrap_or(0), most.unwrap_or(0)] }
+    }
+
+    /// The index of a medium for light of a wavelength, or of none in particular.
+    fn index(&self, medium: u32, wave: u32) -> f64 {
+        let medium = &self.media[medium as usize];
+        match (&self.spectrum, wave) {
+            (Some(spectrum), 1..) => {
+                let bands = spectrum.sets()[0].nm.len();
+                let wave = wave as usize - 1;
+                medium.index_at(spectrum.sets()[wave / bands].nm[wave % bands])
+            }
+            _ => medium.ior,
+        }
+    }
+
+    /// A table that is full keeps the ray in its stack: wrong media in a scene of 65,536 nestings, but bounded.
+    fn beyond(&mut self, before: StackId, stack: Stack) -> StackId {
+        if self.stacks.len() < MOST_STACKS { self.intern(stack) } else { before }
+    }
+
+    fn intern(&mut self, stack: Stack) -> StackId {
         if let Some(&id) = self.ids.get(&stack) {
             return id;
         }
         let id = StackId(self.stacks.len() as u32);
-        let medium = filling(&stack, self.media);
+        let medium = filling(&stack.entered, self.media);
+        let ior = self.index(medium, stack.wave);
         let absorption = self.media[medium as usize].absorption;
-        self.tops.push(Top { medium, absorption, absorbs: absorption != Rgb::ZERO });
+        self.tops.push(Top { medium, ior, absorption, absorbs: absorption != Rgb::ZERO });
         self.transitions.push(vec![None; self.media.len() * 2]);
         self.ids.insert(stack.clone(), id);
         self.stacks.push(stack);
@@ -161,9 +321,10 @@ fn filling(stack: &[u32], media: &[Medium]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Dispersion;
 
     fn medium(name: &str, ior: f64, priority: i32) -> Medium {
-        Medium { name: name.into(), ior, absorption: Rgb::ZERO, priority }
+        Medium { name: name.into(), ior, dispersion: Dispersion::None, absorption: Rgb::ZERO, priority }
     }
 
     /// Air, glass, water, ice: ice in water in a glass, with ice above glass above water.
@@ -235,5 +396,50 @@ mod tests {
         }
         assert_eq!(stack, StackId::default());
         assert_eq!(table.stacks.len(), 101);
+    }
+
+    /// Flint in water in air: the water keeps one index.
+    fn dispersing() -> Vec<Medium> {
+        let flint = Medium { dispersion: Dispersion::Cauchy([1.59, 0.01, 0.0]), ..medium("flint", 1.618_97, 5) };
+        vec![Medium::air(), medium("water", 1.33, 1), flint]
+    }
+
+    #[test]
+    fn a_wavelength_keeps_its_own_index_in_every_medium_until_it_ends() {
+        let media = dispersing();
+        let mut table = MediaTable::dispersing(&media, Spectrum::new(8, 2));
+        let mut eye = StackId::default();
+        for sample in 0..4 {
+            table.begin_sample(sample);
+            eye = table.stack_of(&[1]);
+            let into = table.cross(eye, 2, true);
+            let white = table.media[2].ior;
+            assert!((f64::from(into.boundary.eta) - 1.33 / white).abs() < 1e-6, "white light goes by the line d");
+            let id = into.fan.expect("flint disperses");
+            table.learn_fan(id);
+            let fan = table.known_fan(id).clone();
+            assert_eq!(fan.outermost, [0, 7], "blue has the smallest ratio, red the largest");
+            let bands = Spectrum::new(8, 2).sets()[sample as usize].clone();
+            for (k, band) in fan.bands.iter().enumerate() {
+                let index = media[2].index_at(bands.nm[k]);
+                assert!((f64::from(band.boundary.eta) - 1.33 / index).abs() < 1e-6);
+                assert_eq!(table.band_weight(k).to_array(), bands.weight[k]);
+                assert_eq!((table.top(band.beyond), table.ior(band.beyond)), (2, index));
+                let out = table.cross(band.beyond, 2, false);
+                assert!(out.real && out.fan.is_none(), "what has a wavelength does not divide");
+                assert!((f64::from(out.boundary.eta) - index / 1.33).abs() < 1e-6);
+                assert_eq!((table.top(out.beyond), table.ior(out.beyond)), (1, 1.33));
+            }
+        }
+        assert!(table.cross(eye, 1, false).fan.is_none(), "water to air disperses nothing");
+    }
+
+    #[test]
+    fn without_a_spectrum_nothing_divides_and_the_line_d_counts() {
+        let media = dispersing();
+        let mut table = MediaTable::new(&media);
+        let into = table.cross(StackId::default(), 2, true);
+        assert!(into.fan.is_none());
+        assert!((f64::from(into.boundary.eta) - 1.0 / media[2].ior).abs() < 1e-6);
     }
 }

@@ -9,6 +9,7 @@ mod accumulate;
 mod base;
 mod camera;
 mod class;
+mod extent;
 mod eye;
 mod lamp;
 mod light;
@@ -17,12 +18,15 @@ mod media;
 mod medium;
 mod options;
 mod outcome;
+mod pattern;
 mod queue;
 pub mod record;
 pub mod reference;
+mod room;
 mod shading;
 mod shadow;
 mod sky;
+mod soft;
 mod split;
 mod stages;
 mod surface;
@@ -30,8 +34,9 @@ mod through;
 mod tile;
 mod worker;
 
-pub use options::{Observer, Options};
+pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
+pub use pattern::FilmRay;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -57,9 +62,11 @@ struct TileResult {
 /// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started.
+/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started or there is no
+/// memory for the picture.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let settings = &scene.settings;
+    room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     let plan = EffectPlan::resolve(scene, &options.effects);
     let scene = &*effects::without(scene, options.effects.without);

@@ -5,6 +5,18 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use crate::effects;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 
+/// What becomes of light that surfaces reflect, mirrors that show the environment apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Reflection {
+    /// A ray is traced.
+    #[default]
+    Traced,
+    /// The environment is looked up in the mirror direction, at any depth and whatever stands between.
+    Environment,
+    /// It is left out, and counted as the weight of a ray that ended.
+    None,
+}
+
 /// Choices of one render. Threads and tiles do not change the picture.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -14,6 +26,8 @@ pub struct Options {
     pub refraction: RefractionModel,
     /// The constant of [`RefractionModel::Oliveira`]; no other formula looks at it.
     pub oliveira: Oliveira,
+    /// What becomes of reflected light.
+    pub reflection: Reflection,
     /// Which effects are left out, and how stages are picked.
     pub effects: effects::Options,
     /// Worker threads; 0 is one a processor.
@@ -28,6 +42,7 @@ impl Default for Options {
             fresnel: FresnelModel::Exact,
             refraction: RefractionModel::Stable,
             oliveira: Oliveira::GLASS,
+            reflection: Reflection::Traced,
             effects: effects::Options::default(),
             threads: 0,
             tile: 32,

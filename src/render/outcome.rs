@@ -47,6 +47,8 @@ pub enum Stage {
     Base,
     /// Lights.
     Light,
+    /// Lamps with an extent.
+    Lamp,
     /// Shadow rays.
     Shadow,
     /// Shadow rays straight through transmissive surfaces.

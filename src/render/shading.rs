@@ -4,13 +4,17 @@ use super::accumulate::Accumulator;
 use super::media::{MediaTable, StackId};
 use super::options::Options;
 use super::outcome::{RayCounts, RayKind, StreamCounts};
+use super::pattern::LampPoints;
 use super::queue::{Queue, Rgb8, Spawn8};
+use super::soft::Probes;
+use super::split::mirrored::{self, ReflectStage};
 use super::surface::Surface8;
-use crate::effects::Effect;
+use super::tile::Tile;
+use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
-use crate::optics::{Oliveira, transmittance};
-use crate::scene::{Interface, Rgb, Scene};
+use crate::optics::{Oliveira, Spectrum, transmittance};
+use crate::scene::{Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
 /// Everything a stage reads and writes, kept from tile to tile.
@@ -20,6 +24,8 @@ pub struct Shading<'a> {
     pub media: MediaTable<'a>,
     /// The constant of the one refraction formula that has any.
     pub oliveira: Oliveira,
+    /// What becomes of reflected light.
+    pub reflect: ReflectStage,
     /// What stops a shadow ray at once.
     pub shadow_admits: GeometryMask,
     /// How often a ray may reflect or refract.
@@ -35,15 +41,28 @@ pub struct Shading<'a> {
     /// By depth; reflected and transmitted rays apart, since they part ways.
     queues: Vec<[Queue; 2]>,
     pub shadows: Queue,
+    /// Where lamps with an extent are sampled.
+    pub points: LampPoints,
+    pub probes: Probes,
+    /// The tile whose pixels these are, and which of their camera rays is under way.
+    pub tile: Tile,
+    pub sample: u32,
 }
 
 impl<'a> Shading<'a> {
     /// Nothing summed and nothing queued.
     pub fn new(scene: &'a Scene, options: &Options, shadow_admits: GeometryMask) -> Self {
+        let settings = &scene.settings;
+        let media = if disperses(scene, options) {
+            MediaTable::dispersing(&scene.media, Spectrum::new(settings.wavelengths, settings.samples))
+        } else {
+            MediaTable::new(&scene.media)
+        };
         Self {
             scene,
-            media: MediaTable::new(&scene.media),
+            media,
             oliveira: options.oliveira,
+            reflect: mirrored::pick(options.reflection, scene),
             shadow_admits,
             max_depth: scene.settings.max_depth as usize,
             cutoff: scene.settings.cutoff,
@@ -54,7 +73,17 @@ impl<'a> Shading<'a> {
             total_is_lost: options.effects.without.has(Effect::TotalInternalReflection),
             queues: Vec::new(),
             shadows: Queue::default(),
+            points: LampPoints::new(&scene.settings.lamps),
+            probes: Probes::default(),
+            tile: Tile { x: 0, y: 0, width: 1, height: 1 },
+            sample: 0,
         }
+    }
+
+    /// Column and row in the picture of a pixel of the tile.
+    #[inline]
+    pub fn film_pixel(&self, pixel: u32) -> [u32; 2] {
+        [self.tile.x + pixel % self.tile.width, self.tile.y + pixel / self.tile.width]
     }
 
     /// The queue for rays of one kind at one depth.
@@ -80,7 +109,8 @@ impl<'a> Shading<'a> {
 
     /// Queues secondary rays of a hit at `depth`, but for those that the depth limit or the cut-off ends.
     pub fn spawn(&mut self, lanes: u8, new: &Spawn8, kind: RayKind, depth: usize) {
-        let heaviest = new.weight.max_component();
+        // Of a wavelength, a channel may weigh less than nothing.
+        let heaviest = new.weight.abs().max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
         let too_deep = depth >= self.max_depth;
         // A NaN weight compares false and lives on, to be counted where it lands.
@@ -120,4 +150,10 @@ impl<'a> Shading<'a> {
         }
         any.then(|| transmittance(coefficient, t))
     }
+}
+
+/// Whether white light divides into wavelengths anywhere, or is asked whether it does.
+#[must_use]
+pub fn disperses(scene: &Scene, options: &Options) -> bool {
+    options.effects.pipeline == Pipeline::All || scene.media.iter().any(Medium::disperses)
 }

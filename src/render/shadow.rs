@@ -9,6 +9,7 @@ use super::surface::HitRef;
 use super::worker::{MOST_PASSES, Worker};
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{GeometryMask, Hit8};
+use crate::math::Real;
 use crate::simd::Mask8;
 
 impl<I: Intersector> Worker<'_, I> {
@@ -20,27 +21,58 @@ impl<I: Intersector> Worker<'_, I> {
         let mut chunk = std::mem::take(&mut self.shadow_chunk);
         chunk.clear();
         self.shading.shadows.take(usize::MAX, &mut chunk);
-        self.shading.streams.count(Stage::Shadow);
-        self.shading.counts.add(RayKind::Shadow, depth, chunk.len());
-
-        let mut blocked = std::mem::take(&mut self.blocked);
-        blocked.clear();
-        blocked.resize(chunk.rays.len(), Mask8::NONE);
-        self.cut_short(&mut chunk);
-        self.accel.occluded(&chunk.rays, &mut blocked, coherence, &mut self.scratch);
-        self.restore(&mut chunk);
-        for (ray, blocked) in chunk.rays.iter_mut().zip(&blocked) {
-            ray.active &= !blocked.bits();
-        }
-        self.blocked = blocked;
-
-        if let Some(march) = self.stages.march {
-            self.march(march, &mut chunk, coherence);
-        }
+        self.trace_shadows(&mut chunk, depth, coherence);
         for (ray, state) in chunk.rays.iter().zip(&chunk.states) {
             self.shading.accumulator.add_radiance8(ray.active, &state.pixel, &state.weight);
         }
         self.shadow_chunk = chunk;
+    }
+
+    /// Traces the shadow rays that are asked first, gives their places the answers, and adds what counts of their light.
+    pub(super) fn answer_probes(&mut self, depth: usize, coherence: Coherence) {
+        let mut chunk = std::mem::take(&mut self.shadow_chunk);
+        chunk.clear();
+        self.shading.probes.queue.take(usize::MAX, &mut chunk);
+        let mut weights = std::mem::take(&mut self.shadow_weights);
+        weights.clear();
+        weights.extend(chunk.states.iter().map(|state| state.weight));
+        self.trace_shadows(&mut chunk, depth, coherence);
+        let probes = &mut self.shading.probes;
+        let packets = chunk.rays.iter().zip(&chunk.states).zip(&weights);
+        for (((ray, state), before), askers) in packets.zip(probes.askers.chunks(8)) {
+            let [same_x, same_y, same_z] =
+                [state.weight.x.eq(before.x), state.weight.y.eq(before.y), state.weight.z.eq(before.z)];
+            let whole = (same_x & same_y & same_z).bits();
+            let mut counting = 0;
+            for (lane, asker) in askers.iter().enumerate() {
+                let arrives = ray.active >> lane & 1 != 0;
+                probes.verdicts[asker.place as usize].add(arrives, whole >> lane & 1 != 0);
+                counting |= u8::from(arrives && asker.counts) << lane;
+            }
+            self.shading.accumulator.add_radiance8(counting, &state.pixel, &state.weight);
+        }
+        probes.askers.clear();
+        self.shadow_weights = weights;
+        self.shadow_chunk = chunk;
+    }
+
+    /// Leaves those rays active whose light arrives, with the weight that it arrives with.
+    fn trace_shadows(&mut self, chunk: &mut Chunk, depth: usize, coherence: Coherence) {
+        self.shading.streams.count(Stage::Shadow);
+        self.shading.counts.add(RayKind::Shadow, depth, chunk.len());
+        let mut blocked = std::mem::take(&mut self.blocked);
+        blocked.clear();
+        blocked.resize(chunk.rays.len(), Mask8::NONE);
+        self.cut_short(chunk);
+        self.accel.occluded(&chunk.rays, &mut blocked, coherence, &mut self.scratch);
+        self.restore(chunk);
+        for (ray, blocked) in chunk.rays.iter_mut().zip(&blocked) {
+            ray.active &= !blocked.bits();
+        }
+        self.blocked = blocked;
+        if let Some(march) = self.stages.march {
+            self.march(march, chunk, coherence);
+        }
     }
 
     /// Ends the rays before whatever their lamps stand on, and keeps their lengths for [`Worker::restore`].
@@ -92,8 +124,8 @@ impl<I: Intersector> Worker<'_, I> {
             if !done {
                 for stream in refs.chunks(STREAM) {
                     self.shading.streams.count(Stage::Pass);
-                    (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.surfaces);
-                    (stages.pass)(&mut self.shading, chunk, &hits, stream, &self.surfaces);
+                    (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.shadow_surfaces);
+                    (stages.pass)(&mut self.shading, chunk, &hits, stream, &self.shadow_surfaces);
                 }
             }
             self.shadow_refs = refs;

@@ -11,6 +11,7 @@ use super::medium::{self, MediumStage};
 use super::options::Options;
 use super::outcome::Stage;
 use super::sky::{self, MissStage};
+use super::soft::{self, SoftStages};
 use super::split::{self, SplitStage};
 use super::surface::{self, GatherStage, Shapes};
 use super::through::{self, FinishStage, PassStage};
@@ -51,6 +52,8 @@ pub struct BinStages {
     pub base: Option<BaseStage>,
     /// Lights that bases answer to, by their numbers in the scene.
     pub lights: Vec<(usize, LightStage)>,
+    /// Those of them that have an extent.
+    pub lamps: Vec<(usize, SoftStages)>,
 }
 
 /// The stages of shadow rays that pass through transmissive surfaces.
@@ -133,18 +136,20 @@ impl<'a> Call<'a> {
             return None;
         }
         let split = split::pick(class_of(bin), scene, self.options);
-        let (mut base, mut lights) = (None, Vec::new());
+        let (mut base, mut lights, mut lamps) = (None, Vec::new(), Vec::new());
         if bin_has_base(bin) {
             let any = |of: &dyn Fn(&Material) -> bool| all || materials.iter().any(|m| of(m));
             let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)));
             let shiny = any(&|m| m.highlight.is_some());
-            let glowing = any(&|m| m.emission + m.ambient * scene.ambient != Rgb::ZERO);
+            let glowing = any(&|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
             if any(&base::answers_light) {
                 // A light without intensity adds nothing.
-                let shining = scene.lights.iter().enumerate().filter(|(_, l)| all || l.intensity != Rgb::ZERO);
-                lights = shining.map(|(i, light)| (i, light::pick(light, shiny, all || light.shadows))).collect();
+                let shining = || scene.lights.iter().enumerate().filter(|(_, l)| all || l.intensity != Rgb::ZERO);
+                lights = shining().filter_map(|(i, l)| Some((i, light::pick(l, shiny, all || l.shadows)?))).collect();
+                let sampling = &scene.settings.lamps;
+                lamps = shining().filter_map(|(i, l)| Some((i, soft::pick(l, shiny, sampling)?))).collect();
             }
-            base = (glowing || !lights.is_empty()).then(|| base::pick(textured, shiny, glowing));
+            base = (glowing || !lights.is_empty() || !lamps.is_empty()).then(|| base::pick(textured, shiny, glowing));
         }
         let gather = surface::pick(self.shapes(here));
         let stage = match class_of(bin) {
@@ -157,6 +162,6 @@ impl<'a> Call<'a> {
             Class::Alpha => Some(Stage::Alpha),
         };
         let split = stage.zip(split);
-        (split.is_some() || base.is_some()).then_some(BinStages { gather, split, base, lights })
+        (split.is_some() || base.is_some()).then_some(BinStages { gather, split, base, lights, lamps })
     }
 }

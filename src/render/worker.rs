@@ -8,8 +8,9 @@ use super::class::{BINS, bin_of};
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::{RayKind, Stage};
-use super::queue::{Chunk, State8};
+use super::queue::{Chunk, Rgb8, State8};
 use super::shading::Shading;
+use super::soft::{SoftStage, SoftStages};
 use super::split::lane_bits;
 use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
@@ -35,6 +36,7 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) observer: &'a Observer,
     lens: Lens,
     eye_stack: StackId,
+    eye_media: &'a [u32],
     /// By object.
     pub(super) bin_of: Vec<u8>,
 
@@ -46,10 +48,14 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) bases: Vec<super::base::Base8>,
     pub(super) shadow_chunk: Chunk,
     pub(super) shadow_hits: Vec<Hit8>,
+    /// What shadow rays pass through; those they were sent from are still in `surfaces`.
+    pub(super) shadow_surfaces: Vec<Surface8>,
     /// Lengths of the shadow rays, while they are cut short of their lamps.
     pub(super) shadow_ends: Vec<F32x8>,
     pub(super) shadow_refs: Vec<HitRef>,
     pub(super) blocked: Vec<Mask8>,
+    /// Weights of shadow rays that are asked first, as they set out.
+    pub(super) shadow_weights: Vec<Rgb8>,
     /// Lanes of shadow packets whose light arrives.
     pub(super) arrived: Vec<u8>,
 }
@@ -61,7 +67,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         accel: &'a I,
         stages: &'a Stages,
         options: &Options,
-        eye_media: &[u32],
+        eye_media: &'a [u32],
         observer: &'a Observer,
     ) -> Self {
         let mut shading = Shading::new(scene, options, stages.shadow_admits);
@@ -75,6 +81,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             observer,
             lens: Lens::new(&scene.camera, scene.settings.width, scene.settings.height),
             eye_stack,
+            eye_media,
             bin_of: scene.objects.iter().map(bin).collect(),
             chunk: Chunk::default(),
             hits: Vec::new(),
@@ -84,9 +91,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
             bases: Vec::new(),
             shadow_chunk: Chunk::default(),
             shadow_hits: Vec::new(),
+            shadow_surfaces: Vec::new(),
             shadow_ends: Vec::new(),
             shadow_refs: Vec::new(),
             blocked: Vec::new(),
+            shadow_weights: Vec::new(),
             arrived: Vec::new(),
         }
     }
@@ -97,8 +106,10 @@ impl<'a, I: Intersector> Worker<'a, I> {
     /// [`Error::Interrupted`] once the observer says stop.
     pub fn tile(&mut self, tile: &Tile) -> Result<()> {
         self.shading.accumulator.reset(tile.pixels());
+        self.shading.tile = *tile;
         let n = self.shading.scene.settings.samples;
         for sample in 0..n * n {
+            self.begin(sample);
             let mut chunk = std::mem::take(&mut self.chunk);
             chunk.clear();
             self.camera_rays(tile, sample % n, sample / n, &mut chunk);
@@ -111,6 +122,13 @@ impl<'a, I: Intersector> Worker<'a, I> {
             self.chunk = chunk;
         }
         Ok(())
+    }
+
+    /// Makes ready for the pixels' rays of one number.
+    pub(super) fn begin(&mut self, sample: u32) {
+        self.shading.sample = sample;
+        self.shading.media.begin_sample(sample);
+        self.eye_stack = self.shading.media.stack_of(self.eye_media);
     }
 
     /// Fills the chunk with one camera ray for each pixel of the tile: packets of 4 by 2 pixels, in blocks of 8 by 8.
@@ -187,8 +205,34 @@ impl<'a, I: Intersector> Worker<'a, I> {
             self.shading.streams.count(Stage::Light);
             shine(&mut self.shading, light, &self.surfaces, &self.bases);
         }
+        for &(lamp, soft) in &stages.lamps {
+            self.shading.streams.count(Stage::Lamp);
+            self.shine_softly(lamp, &soft, depth, coherence);
+        }
         if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
             self.flush_shadows(depth, coherence);
+        }
+    }
+
+    /// Adds the light of a lamp with an extent to the surfaces of a stream, but for what waits in the shadow queue.
+    fn shine_softly(&mut self, lamp: usize, soft: &SoftStages, depth: usize, coherence: Coherence) {
+        let bases = self.bases.len();
+        for part in (0..bases).step_by(soft.surfaces).map(|from| from..bases.min(from + soft.surfaces)) {
+            let run = |worker: &mut Self, stage: SoftStage| {
+                stage(&mut worker.shading, lamp, &worker.surfaces[part.clone()], &worker.bases[part.clone()], depth);
+            };
+            if !soft.shadows {
+                run(self, soft.open);
+                continue;
+            }
+            run(self, soft.ask);
+            if !self.shading.probes.queue.is_empty() {
+                self.answer_probes(depth, coherence);
+                run(self, soft.settle);
+            }
+            if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
+                self.flush_shadows(depth, coherence);
+            }
         }
     }
 

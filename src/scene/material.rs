@@ -25,7 +25,7 @@
 
 use glam::Vec3;
 
-use super::Rgb;
+use super::{Dispersion, Rgb};
 
 /// A surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -198,8 +198,11 @@ pub enum FresnelRule {
 pub struct Medium {
     /// The name scene files and messages use.
     pub name: String,
-    /// Refractive index, above zero. Kept in `f64`: index ratios near 1 live in its low digits.
+    /// Refractive index, above zero; where the medium disperses, that at the line d (587.6 nm), which white light goes
+    /// by. Kept in `f64`: index ratios near 1 live in its low digits.
     pub ior: f64,
+    /// How the index depends on the wavelength: above zero over the whole visible range, and falling or constant.
+    pub dispersion: Dispersion,
     /// Absorption coefficient per channel and scene unit, at least 0 (Beer-Lambert: `exp(-absorption * distance)`).
     pub absorption: Rgb,
     /// Where media overlap, the one with the highest priority fills the space (Schmidt & Budge 2002); among equals
@@ -211,6 +214,12 @@ impl Medium {
     /// What surrounds everything unless a scene says otherwise.
     #[must_use]
     pub fn air() -> Self {
-        Self { name: String::from("air"), ior: 1.0, absorption: Rgb::ZERO, priority: i32::MIN }
+        Self {
+            name: String::from("air"),
+            ior: 1.0,
+            dispersion: Dispersion::None,
+            absorption: Rgb::ZERO,
+            priority: i32::MIN,
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What is to be pictured: plain data, joined by indices.
 
 mod camera;
+mod dispersion;
 mod environment;
 mod light;
 mod material;
@@ -8,10 +9,11 @@ mod settings;
 mod texture;
 
 pub use camera::{Camera, Projection};
+pub use dispersion::Dispersion;
 pub use environment::Environment;
-pub use light::{Falloff, Light, LightKind};
+pub use light::{Falloff, Light, LightKind, Spread};
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
-pub use settings::{Settings, ShadowRule};
+pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
 
 use crate::geometry::{Geometry, Shape};

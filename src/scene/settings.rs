@@ -15,11 +15,24 @@ pub struct Settings {
     pub cutoff: f32,
     /// What transparent surfaces do to shadows.
     pub shadows: ShadowRule,
+    /// How lamps with an extent are sampled.
+    pub lamps: LampSampling,
+    /// Wavelengths that a white ray divides into where a medium disperses it, at least 7; fewer count as 7.
+    pub wavelengths: u32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { width: 640, height: 480, samples: 1, max_depth: 16, cutoff: 1.0 / 1024.0, shadows: ShadowRule::Straight }
+        Self {
+            width: 640,
+            height: 480,
+            samples: 1,
+            max_depth: 16,
+            cutoff: 1.0 / 1024.0,
+            shadows: ShadowRule::Straight,
+            lamps: LampSampling::default(),
+            wavelengths: 12,
+        }
     }
 }
 
@@ -31,4 +44,34 @@ pub enum ShadowRule {
     /// Light passes straight on, unbent, weakened at each surface by what that surface lets through (Fresnel seen
     /// from its thinner side, so that the way back is the same, and tint) and inside by absorption. No caustics.
     Straight,
+}
+
+/// How lamps with an extent are sampled: by points on them, each of which shines as a lamp of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LampSampling {
+    /// Points on each lamp for each place that it shines on, at least 1; a square number where they form a grid.
+    pub count: u32,
+    /// How they lie.
+    pub pattern: Pattern,
+    /// Another seed is another scrambling of the points; no grid depends on it.
+    pub seed: u32,
+    /// Whether points that the first few shadow rays say nothing new of go without: where all of those arrive, all do;
+    /// where all are blocked, none does. What stands in the way of none of the first few, and of others, is missed.
+    pub probe: bool,
+}
+
+impl Default for LampSampling {
+    fn default() -> Self {
+        Self { count: 32, pattern: Pattern::Sobol, seed: 0, probe: true }
+    }
+}
+
+/// How the points on a lamp lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// As Sobol's sequence, scrambled after Owen for each pixel and depth anew; the rays of a pixel continue each
+    /// other's. What is left of error is fine noise.
+    Sobol,
+    /// As a square grid, the same everywhere. What is left of error is steps.
+    Grid,
 }

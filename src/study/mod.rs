@@ -1,3 +1,37 @@
-//! What accuracy costs.
+//! What accuracy costs: pictures of one scene by different choices, each timed beside the default one and held against
+//! the `f64` renderer with the exact choices.
+//!
+//! [`Axis`] lists the choices, [`Variant`] is one of each, [`Engine`] makes its picture. [`run`](run::run) times and
+//! judges every level of every axis with the others at their defaults, then the product of the axes that mattered,
+//! within a time limit; what it measured is kept in a [`Journal`], from which it goes on when it is run again.
+//! [`formulas`] is the same question for one formula at a time.
 
+pub mod axis;
+pub mod budget;
+pub mod clock;
+pub mod condition;
+pub mod csv;
+pub mod digest;
+pub mod energy;
+pub mod engine;
+pub mod errors;
 pub mod formulas;
+pub mod front;
+pub mod html;
+pub mod journal;
+pub mod plan;
+pub mod reference;
+pub mod report;
+pub mod run;
+pub mod size;
+pub mod spheres;
+pub mod text;
+pub mod variant;
+
+pub use axis::{Axis, Backend, Level, Precision, Spheres};
+pub use engine::Engine;
+pub use errors::Errors;
+pub use journal::Journal;
+pub use report::Report;
+pub use run::{Subject, Watch};
+pub use variant::Variant;

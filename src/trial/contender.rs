@@ -1,5 +1,7 @@
 //! Who takes part: a way to trace rays, with its name.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::rays::RaySet;
 use super::team::Team;
 use crate::accel::native::{Kernel, Native, Scratch};
@@ -7,8 +9,8 @@ use crate::accel::{BuildStats, Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
 use crate::simd::Mask8;
 
-/// Packets that a thread takes at a time: some hundred microseconds of work.
-pub const PIECE: usize = 64;
+/// Packets that a thread takes at a time: what renders hand over at once, some hundred microseconds of work.
+pub const PIECE: usize = 128;
 
 /// What a contender is called in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -50,17 +52,44 @@ pub trait Contender {
 }
 
 /// An accelerator, asked as renders ask it: a stream of [`Ray8`] in, hits out.
-pub struct Through<I> {
+pub struct Through<I: Intersector> {
     label: Label,
     accel: I,
     hits: Vec<Hit8>,
     blocked: Vec<Mask8>,
+    /// What the threads of the last run left, since a render, too, makes it once and not for every few rays.
+    spare: Mutex<Vec<I::Scratch>>,
+}
+
+/// Scratch on loan.
+struct Loan<'a, S> {
+    scratch: Option<S>,
+    spare: &'a Mutex<Vec<S>>,
+}
+
+impl<'a, S: Default> Loan<'a, S> {
+    fn new(spare: &'a Mutex<Vec<S>>) -> Self {
+        let scratch = spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        Self { scratch: Some(scratch.unwrap_or_default()), spare }
+    }
+
+    fn get(&mut self) -> &mut S {
+        self.scratch.get_or_insert_default()
+    }
+}
+
+impl<S> Drop for Loan<'_, S> {
+    fn drop(&mut self) {
+        let scratch = self.scratch.take();
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).extend(scratch);
+    }
 }
 
 impl<I: Intersector> Through<I> {
     /// `accel` under a name.
     pub fn new(backend: &'static str, mode: &'static str, accel: I) -> Self {
-        Self { label: Label { backend, mode }, accel, hits: Vec::new(), blocked: Vec::new() }
+        let label = Label { backend, mode };
+        Self { label, accel, hits: Vec::new(), blocked: Vec::new(), spare: Mutex::default() }
     }
 }
 
@@ -75,14 +104,22 @@ impl<I: Intersector> Contender for Through<I> {
     }
 
     fn trace(&mut self, set: &RaySet, team: &Team) {
-        let (accel, coherence) = (&self.accel, set.kind.coherence());
+        let (accel, coherence, spare) = (&self.accel, set.kind.coherence(), &self.spare);
         let pieces = set.rays.chunks(PIECE);
         if set.kind.any_hit() {
             let pieces = pieces.zip(self.blocked.chunks_mut(PIECE));
-            team.share(pieces, I::Scratch::default, |s, (rays, blocked)| accel.occluded(rays, blocked, coherence, s));
+            team.share(
+                pieces,
+                || Loan::new(spare),
+                |loan, (rays, blocked)| accel.occluded(rays, blocked, coherence, loan.get()),
+            );
         } else {
             let pieces = pieces.zip(self.hits.chunks_mut(PIECE));
-            team.share(pieces, I::Scratch::default, |s, (rays, hits)| accel.closest(rays, hits, coherence, s));
+            team.share(
+                pieces,
+                || Loan::new(spare),
+                |loan, (rays, hits)| accel.closest(rays, hits, coherence, loan.get()),
+            );
         }
     }
 

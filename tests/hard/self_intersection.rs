@@ -198,6 +198,47 @@ fn a_body_scaled_by_its_scene_file_is_left_at_once() {
     }
 }
 
+/// SI-05: the same under any linear map that a scene file can ask for: stretched a thousandfold along one axis, mirrored,
+/// turned, sheared, carried far away, and several of these at once. What is convex stays so, and a mirror ray that meets
+/// anything met the face that it left.
+#[test]
+fn a_body_stretched_sheared_and_carried_away_by_its_scene_file_is_left_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let maps = [
+        ("scale = [1, 30, 0.03], rotate = [10, 20, 30]", 0.0, 30.0),
+        ("scale = [0.001, 1, 1], rotate = [45, 45, 0]", 10.0, 1.0),
+        ("scale = [-1, 2, 3], rotate = [5, 85, 40]", 1e4, 3.0),
+        ("scale = [100, 0.1, 100], rotate = [1, 2, 3]", 1e5, 100.0),
+        // Rows of a shear along x by y and z, and one along two axes at once.
+        ("matrix = [1, 4, -2, PLACE, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]", 100.0, 4.0),
+        ("matrix = [2, 0.5, 0, PLACE, -7, 1, 3, 0, 0.25, 0, 0.1, 0, 0, 0, 0, 1]", 5e3, 7.0),
+        ("matrix = [1e-3, 4e-3, 0, PLACE, 0, 1e-3, 9e-3, 0, 0, 0, 1e-3, 0, 0, 0, 0, 1]", 0.125, 0.01),
+    ];
+    for (map, place, reach) in maps {
+        // The map may hold the translation itself.
+        let carried = if map.contains("PLACE") { String::new() } else { format!(", translate = [{place}, 0, 0]") };
+        let map = map.replace("PLACE", &place.to_string()) + &carried;
+        for shape in ["shape = 'box'", "shape = 'sphere'\ntessellation = 12\nsmooth = false"] {
+            let text = format!(
+                "[camera]\neye = [{}, {}, {}]\ntarget = [{place}, 0, 0]\nfov = 40\n\
+                 [render]\nwidth = 48\nheight = 48\ncutoff = 0\n\
+                 [environment]\ntype = 'constant'\ncolor = 1\n\
+                 [[material]]\nname = 'm'\ntype = 'mirror'\nreflectance = 1\n\
+                 [[mesh]]\n{shape}\nmaterial = 'm'\ntransform = {{ {map} }}\n",
+                place + 1.1 * reach,
+                1.3 * reach,
+                1.7 * reach,
+            );
+            let file = folder.path().join("a.toml");
+            std::fs::write(&file, text).unwrap();
+            let scene = load::scene(&file, &LoadOptions::default()).unwrap().scene;
+            let outcome = render(&scene);
+            assert!(rays(&outcome, 1, RayKind::Reflected) > 20, "{map} is seen");
+            assert_eq!(rays(&outcome, 2, RayKind::Reflected), 0, "{map}");
+        }
+    }
+}
+
 /// SI-06, RF-09: from glass in a bright room the reflected ray starts outside and the refracted one inside, whichever side
 /// it came from: no exit is unmatched, and what arrives and what was cut make the room's light.
 #[test]

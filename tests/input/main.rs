@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use vitrum::Error;
 use vitrum::geometry::{GeometryMask, Shape, TriMesh};
 use vitrum::load::{self, LoadOptions, Loaded};
-use vitrum::scene::{Colour, FresnelRule, Interface, MirrorSource, Rgb};
+use vitrum::scene::{Colour, Dispersion, FresnelRule, Interface, LampSampling, LightKind, MirrorSource, Pattern, Rgb};
 
 /// A folder with files to load.
 struct Folder(TempDir);

@@ -1,5 +1,7 @@
 //! Scene files.
 
+use glam::Vec3;
+
 use super::*;
 
 /// A scene that is right but for one line in a table.
@@ -142,9 +144,59 @@ fn lights_out_of_range_are_refused() {
         ("type = 'spot'\nposition = [1, 2, 3]\ntarget = [0, 0, 0]\ninner = 40\nintensity = 1", "exceeds"),
         ("type = 'spot'\nposition = [1, 2, 3]\ntarget = [0, 0, 0]\nouter = 91\nintensity = 1", "0 to 90"),
         ("type = 'point'\nposition = [1e30, 0, 0]\nintensity = 1", "1.844e18"),
+        ("type = 'sphere'\nposition = [0, 0, 0]\nintensity = 1", "needs `radius`"),
+        ("type = 'sphere'\nposition = [0, 0, 0]\nintensity = 1\nradius = 0", "above 0"),
+        ("type = 'rectangle'\nposition = [0, 0, 0]\nintensity = 1", "needs `edges`"),
+        ("type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0]]\nintensity = 1", "two vectors, not 1"),
+        ("type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [-2, 0, 0]]\nintensity = 1", "parallel"),
+        (
+            "type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [0, 1, 0]]\ndirection = [1, 1, 0]\nintensity = 1",
+            "along its own plane",
+        ),
+        (
+            "type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [0, 1, 0]]\nspread = 'wide'\nintensity = 1",
+            "spread",
+        ),
+        (
+            "type = 'sphere'\nposition = [0, 0, 0]\nintensity = 1\nradius = 1\nedges = [[1, 0, 0], [0, 1, 0]]",
+            "no key `edges`",
+        ),
     ] {
         refused(light(lines), 2, &["a.toml:", part]);
     }
+}
+
+#[test]
+fn a_rectangle_shines_to_the_side_it_is_told_to() {
+    let normal = |lines: &str| {
+        let text = format!(
+            "[[light]]\ntype = 'rectangle'\nposition = [1, 2, 3]\nedges = [[2, 0, 0], [0, 0, 4]]\nintensity = 1\n{lines}\n"
+        );
+        match toml(&text).unwrap().scene.lights[0].kind {
+            LightKind::Rectangle { corner, edges, .. } => {
+                assert_eq!(corner, Vec3::new(0.0, 2.0, 1.0));
+                edges[0].cross(edges[1]).normalize()
+            }
+            kind => panic!("{kind:?}"),
+        }
+    };
+    assert_eq!(normal(""), Vec3::NEG_Y);
+    assert_eq!(normal("direction = [0, 1, 3]"), Vec3::Y);
+    assert_eq!(normal("target = [1, 0, 3]"), Vec3::NEG_Y);
+    assert_eq!(normal("target = [1, 5, 3]"), Vec3::Y);
+}
+
+#[test]
+fn settings_of_lamps_are_read_and_refused_with_a_cure() {
+    let render = |lines: &str| toml(&format!("[render]\n{lines}\n"));
+    let lamps = render("light_samples = 25\nlight_pattern = 'grid'\nlight_seed = 9\npenumbra = 'full'").unwrap();
+    let lamps = lamps.scene.settings.lamps;
+    assert_eq!(lamps, LampSampling { count: 25, pattern: Pattern::Grid, seed: 9, probe: false });
+    refused(render("light_pattern = 'grid'\nlight_samples = 20"), 2, &["a.toml:3:", "16 or 25"]);
+    refused(render("light_pattern = 'grid'"), 2, &["a.toml:", "25 or 36"]);
+    refused(render("light_samples = 0"), 2, &["a.toml:2:", "1 to 4096"]);
+    refused(render("light_seed = -1"), 2, &["a.toml:2:", "0 to"]);
+    refused(render("penumbra = 'half'"), 2, &["a.toml:2:", "penumbra"]);
 }
 
 #[test]
@@ -208,7 +260,7 @@ fn the_sampler_of_every_key_loads_as_it_says() {
     assert_eq!(scene.objects.len(), 9 + 3);
     assert_eq!(scene.objects.len(), scene.geometry.len());
     let Shape::Sphere(ball) = &scene.geometry[0].shape else { panic!("the ball is exact") };
-    assert_eq!((ball.centre, ball.radius), (glam::Vec3::new(0.0, 3.0, 0.0), 1.0));
+    assert_eq!((ball.centre, ball.radius), (Vec3::new(0.0, 3.0, 0.0), 1.0));
     let text = fs::read_to_string(&path).unwrap();
     let first = 1 + text.lines().position(|l| l == "[[mesh]]").unwrap();
     assert_eq!(scene.objects[0].origin.line as usize, first);
@@ -237,4 +289,50 @@ fn errors_are_of_the_kind_their_exit_code_says() {
     assert!(matches!(obj("v a"), Err(Error::Input { line: 1, .. })));
     assert!(matches!(obj(""), Err(Error::File { .. })));
     assert!(matches!(toml("[camera]\nfov = 0\n"), Err(Error::Input { line: 2, column: Some(7), .. })));
+}
+
+fn dielectric(keys: &str) -> vitrum::Result<Loaded> {
+    toml(&format!("[[material]]\nname = 'a'\ntype = 'dielectric'\n{keys}\n"))
+}
+
+#[test]
+fn curves_of_the_index_are_read_in_each_of_their_forms() {
+    let medium = |keys: &str| dielectric(keys).unwrap_or_else(|e| panic!("{keys}: {e}")).scene.media[1].clone();
+    assert_eq!(medium("glass = 'bk7'").dispersion, Dispersion::None, "a name alone asks for no dispersion");
+    assert_eq!(medium("glass = 'bk7'").ior, 1.5168);
+    let bk7 = medium("glass = 'bk7'\ndispersion = true");
+    assert!((bk7.ior - 1.5168).abs() < 1e-6 && bk7.index_at(486.1327) > 1.522);
+    let abbe = medium("ior = 1.5\nabbe = 50");
+    assert_eq!(abbe.ior, 1.5);
+    let spread = abbe.index_at(486.1327) - abbe.index_at(656.2725);
+    assert!((spread - 0.01).abs() < 1e-12, "(n_d - 1) / V_d");
+    let cauchy = medium("cauchy = [1.5, 0.004]");
+    assert_eq!(cauchy.dispersion, Dispersion::Cauchy([1.5, 0.004, 0.0]));
+    assert!((cauchy.ior - (1.5 + 0.004 / 0.587_561_8_f64.powi(2))).abs() < 1e-12);
+    let sellmeier = medium("sellmeier = [[1.2, 0.01]]");
+    assert!((sellmeier.ior - (1.0 + 1.2 / (1.0 - 0.01 / 0.587_561_8_f64.powi(2))).sqrt()).abs() < 1e-12);
+    for off in ["glass = 'bk7'\ndispersion = false", "ior = 1.5\nabbe = 50\ndispersion = false", "cauchy = [1.5, 0]"] {
+        assert_eq!(medium(off).dispersion, Dispersion::None, "{off}");
+    }
+    assert_eq!(toml("[render]\nwavelengths = 24\n").unwrap().scene.settings.wavelengths, 24);
+}
+
+#[test]
+fn curves_of_the_index_that_cannot_be_are_refused() {
+    for (keys, line, parts) in [
+        ("ior = 1.5\ndispersion = true", 5, ["`ior` alone", "`abbe`"]),
+        ("glass = 'amber'\ndispersion = true", 4, ["`amber`", "`abbe`"]),
+        ("ior = 1.5\nabbe = 0", 5, ["`abbe` is 0", "5 to 1000"]),
+        ("ior = 1.5\ncauchy = [1.5, 0.004]", 4, ["`cauchy`", "leave `ior` out"]),
+        ("cauchy = [1.5, 0.004]\nsellmeier = [[1, 0.01]]", 5, ["`cauchy`", "not both"]),
+        ("cauchy = [1.5]", 4, ["`cauchy` is [A, B]", "1"]),
+        ("sellmeier = []", 4, ["one to four", "0"]),
+        ("sellmeier = [[1, 0.2]]", 4, ["`sellmeier` makes the index", "nm"]),
+        ("cauchy = [1.5, -0.004]", 4, ["rise", "nm"]),
+        ("cauchy = [1.5, 1e9]", 4, ["between 0.001 and 1000", "385 nm"]),
+    ] {
+        refused(dielectric(keys), 2, &[&format!("a.toml:{line}:"), parts[0], parts[1]]);
+    }
+    refused(toml("[[material]]\nname = 'a'\ntype = 'thin'\nglass = 'bk7'\ndispersion = true\n"), 2, &["`dispersion`"]);
+    refused(wrong("render", "wavelengths = 6"), 2, &["a.toml:2:15:", "7 to 64"]);
 }

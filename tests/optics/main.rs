@@ -5,6 +5,7 @@
 
 mod absorption;
 mod approximations;
+mod dispersion;
 mod errata;
 mod fresnel;
 mod fresnel_accuracy;

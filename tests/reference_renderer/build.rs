@@ -5,8 +5,8 @@ use vitrum::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere, TriMesh};
 use vitrum::optics::FresnelModel;
 use vitrum::render::reference::{Prepared, Tally};
 use vitrum::scene::{
-    Colour, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, Medium, Object, Origin, Rgb,
-    Scene,
+    Colour, Dispersion, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, Medium, Object,
+    Origin, Rgb, Scene,
 };
 
 /// An empty black scene with nothing cut off, in air.
@@ -23,7 +23,8 @@ pub fn white(scene: &mut Scene) {
 }
 
 pub fn medium(scene: &mut Scene, ior: f64, absorption: f32, priority: i32) -> u32 {
-    scene.media.push(Medium { name: String::new(), ior, absorption: Rgb::splat(absorption), priority });
+    let absorption = Rgb::splat(absorption);
+    scene.media.push(Medium { name: String::new(), ior, dispersion: Dispersion::None, absorption, priority });
     scene.media.len() as u32 - 1
 }
 

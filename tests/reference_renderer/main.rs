@@ -5,4 +5,5 @@ mod glass;
 mod lights;
 mod media;
 mod picture;
+mod soft;
 mod surfaces;

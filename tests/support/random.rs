@@ -5,8 +5,8 @@ use vitrum::geometry::{Shape, TriMesh};
 use vitrum::load::shapes::{self, Wave};
 use vitrum::optics::FresnelModel;
 use vitrum::scene::{
-    Camera, Colour, Environment, Falloff, FresnelRule, Highlight, HighlightModel, Interface, Light, LightKind,
-    Material, Medium, MirrorSource, Projection, Rgb, Scene, ShadowRule, Texture,
+    Camera, Colour, Dispersion, Environment, Falloff, FresnelRule, Highlight, HighlightModel, Interface, Light,
+    LightKind, Material, Medium, MirrorSource, Projection, Rgb, Scene, ShadowRule, Texture,
 };
 
 use super::Rng;
@@ -68,7 +68,7 @@ fn media(rng: &mut Rng, scene: &mut Scene) {
     for _ in 0..1 + rng.below(4) {
         let absorption = if chance(rng, 0.5) { Rgb::ZERO } else { colour(rng) * 2.0 };
         let (ior, priority) = (pick(rng, &INDICES), rng.below(4) as i32 - 1);
-        scene.media.push(Medium { name: "random".into(), ior, absorption, priority });
+        scene.media.push(Medium { name: "random".into(), ior, dispersion: Dispersion::None, absorption, priority });
     }
 }
 

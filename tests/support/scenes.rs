@@ -6,7 +6,8 @@ use vitrum::accel::native::Native;
 use vitrum::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere, TriMesh};
 use vitrum::render::{Observer, Options, Outcome, render};
 use vitrum::scene::{
-    Camera, Environment, FresnelRule, Interface, Material, Medium, Object, Origin, Projection, Rgb, Scene, Settings,
+    Camera, Dispersion, Environment, FresnelRule, Interface, Material, Medium, Object, Origin, Projection, Rgb, Scene,
+    Settings,
 };
 
 /// An empty scene in a constant environment, seen from +z: 32 by 32 pixels, deep enough for anything, no cut-off.
@@ -39,7 +40,7 @@ pub fn bare(interface: Interface) -> Material {
 
 /// Adds a clear dielectric and gives its material's number.
 pub fn glass(scene: &mut Scene, ior: f64, priority: i32, absorption: Rgb) -> u32 {
-    scene.media.push(Medium { name: format!("medium {ior}"), ior, absorption, priority });
+    scene.media.push(Medium { name: format!("medium {ior}"), ior, dispersion: Dispersion::None, absorption, priority });
     let medium = scene.media.len() as u32 - 1;
     material(scene, bare(Interface::Dielectric { medium, rule: FresnelRule::Fresnel, tint: Rgb::ONE }))
 }

@@ -1,5 +1,7 @@
 //! Some rays of one octant as one: the intervals that their starts and inverse directions lie in.
 
+use arrayvec::ArrayVec;
+
 use super::bvh8::{Bvh8, Child, Planes, leave_of};
 use super::rays::{Way8, each};
 use crate::geometry::Ray8;
@@ -36,6 +38,9 @@ const STARTS: u8 = 0b0000_0111;
 /// Directions within a box whose diagonal is this part (squared) of twice its distance go together: some 13 degrees to
 /// either side.
 const NARROW: f32 = 0.05;
+
+/// Nodes that [`Beam::reaches`] looks into at most.
+const MOST_VISITS: usize = 12;
 
 /// What [`Beam::around`] tells of some packets.
 pub(super) struct Hull {
@@ -137,13 +142,23 @@ impl Beam {
         (enter.le(leave).bits(), enter)
     }
 
-    /// Whether anything in a tree may be met, as its root tells.
+    /// Whether anything in a tree may be met, as far as `visits` nodes tell.
     #[inline(always)]
-    pub fn reaches<L>(&self, tree: &Bvh8<L>, octant: [usize; 3]) -> bool {
-        if tree.root.is_leaf() {
-            return tree.root != Child::NONE;
+    pub fn reaches<L>(&self, tree: &Bvh8<L>, octant: [usize; 3], visits: usize) -> bool {
+        if tree.root == Child::NONE {
+            return false;
         }
-        self.meet(&tree.nodes[tree.root.index()].planes, octant).0 != 0
+        let mut open: ArrayVec<Child, { 7 * MOST_VISITS + 1 }> = ArrayVec::new();
+        open.push(tree.root);
+        for _ in 0..visits.min(MOST_VISITS) {
+            let Some(child) = open.pop() else { return false };
+            if child.is_leaf() {
+                return true;
+            }
+            let node = &tree.nodes[child.index()];
+            each(self.meet(&node.planes, octant).0, |c| open.push(node.children[c]));
+        }
+        !open.is_empty()
     }
 }
 

@@ -17,6 +17,9 @@ use crate::simd::{F32x8, Mask8};
 /// Packets whose scattered rays are gathered into one batch.
 pub(super) const STRETCH: usize = 128;
 
+/// Nodes in which a tile's beam is looked for anything that it may meet, before its packets are made ready.
+const VISITS: usize = 12;
+
 /// How rays are walked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kernel {
@@ -158,7 +161,7 @@ impl Trees<'_> {
     fn survey(&self, kernel: Kernel, packets: &[Ray8]) -> Survey {
         let hull = if kernel == Kernel::Auto { Beam::around(packets) } else { None };
         let Some(Hull { beam, octant, narrow, one_start }) = hull else { return Survey::Mixed };
-        if !beam.reaches(self.triangles, octant) && !beam.reaches(self.spheres, octant) {
+        if !beam.reaches(self.triangles, octant, VISITS) && !beam.reaches(self.spheres, octant, VISITS) {
             Survey::Misses
         } else if narrow {
             Survey::Narrow { wide: !one_start }

@@ -36,10 +36,10 @@ impl Group {
         Self { packet, lanes, blocked: 0, wide, octant, beam: Beam::new(way, lanes, octant) }
     }
 
-    /// Whether anything in a tree may be met.
+    /// Whether anything in a tree may be met, as its root tells.
     #[inline(always)]
     pub fn reaches<L>(&self, tree: &Bvh8<L>) -> bool {
-        self.beam.reaches(tree, self.octant)
+        self.beam.reaches(tree, self.octant, 1)
     }
 
     #[inline(always)]

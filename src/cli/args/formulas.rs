@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum, value_parser};
 #[command(next_help_heading = "Formulas")]
 pub(in crate::cli) struct FormulasArgs {
     /// Time and judge single formulas instead of pictures
-    #[arg(long, required = true)]
+    #[arg(long)]
     pub formulas: bool,
 
     /// Which formulas [default: all]

@@ -1,14 +1,19 @@
 //! Ray/triangle tests side by side, each a type, so that what is timed or judged is the test and no branch.
 //!
 //! The renderer's own is [`Watertight`]. The others are here to be measured against it, by speed (`cargo bench --bench
-//! triangle`) and by what they lose. Rays out of a closed mesh aimed at random, at its corners and at its edges, rays
-//! that met nothing in 100 000 (`tests/triangle_tests.rs` prints the same for fewer):
+//! triangle`, `vitrum price --formulas --of triangle`) and by what they lose. Of 2000 rays out of a closed ball with
+//! bumps (1520 triangles, about the origin), those that met nothing, with fused products:
 //!
-//! | test | random | corners | edges |
+//! | test | at random | at corners | at edges |
 //! |---|---|---|---|
-//! LEAKS
+//! | plane and areas | 0 | 6.4 % | 14.3 % |
+//! | Möller-Trumbore | 0 | 26.3 % | 16.5 % |
+//! | Plücker | 0 | 0.05 % | 0 |
+//! | watertight | 0 | 0 | 0 |
+//! | certified | 0 | 0 | 0 |
 //!
-//! Random rays tell none of them from a tight one: a test that is to find leaks has to aim.
+//! Random rays tell none of them from a tight one: a test that is to find leaks has to aim. (Far from the origin, at
+//! (148376, 1234, -223423), the plane-and-area test loses 2.8 % of the random ones, too.)
 
 mod certified;
 mod moller_trumbore;
@@ -186,9 +191,9 @@ fn meet_sheared([a, b, c]: [Vector3<f64>; 3], dz: f64) -> Option<(f64, f64, f64)
     if !same_side(edges) || whole == 0.0 || whole.is_nan() {
         return None;
     }
-    let [first, u, v] = edges.map(|e| (e / whole).max(0.0));
-    let t = (first * a.z + u * b.z + v * c.z) / dz;
-    t.is_finite().then_some((t, u.min(1.0), v.min(1.0)))
+    let [_, u, v] = edges.map(|e| (e / whole).clamp(0.0, 1.0));
+    let t = (edges[0] * a.z + edges[1] * b.z + edges[2] * c.z) / whole / dz;
+    t.is_finite().then_some((t, u, v))
 }
 
 /// Lane `i` of three corners.

@@ -8,7 +8,7 @@ use crate::math::Vector3;
 /// no figure here (the triangles it refuses are none that anybody hits).
 ///
 /// Known failures: `u`, `v` and `u + v` of two triangles with a common edge are not computed from the same numbers,
-/// so that rays through the edge pass between them: about a tenth of those aimed at one. `t` of a triangle seen
+/// so that rays through the edge pass between them: a sixth of those aimed at one. `t` of a triangle seen
 /// nearly edge-on may lie anywhere (Embree, issue 387: 12 291, with every corner nearer than 600).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MollerTrumbore;

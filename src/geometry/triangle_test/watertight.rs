@@ -47,6 +47,8 @@ impl TriangleTest for Watertight {
         let doubtful = solved.doubtful & hit;
         if doubtful.any() {
             settle(&mut meeting, doubtful, |i| meet_sheared(corners_of(&edges.corners, i), ray.sheared.dz.lane(i)));
+            // The share that is left for the third corner, as rounded.
+            meeting.v = meeting.v.min_or(R::one() - meeting.u);
         }
         let (t, crossed) = ray.slab.limit_to_triangle(corners, meeting.t);
         Meeting { hit: meeting.hit & crossed, t, ..meeting }

@@ -2,8 +2,15 @@
 
 use super::table::{Table, Value};
 use crate::load::LoadOptions;
-use crate::scene::{Camera, Projection, Settings, ShadowRule};
+use crate::optics::FEWEST_BANDS;
+use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
+
+/// Most points on a lamp: beyond them nobody sees a difference.
+const MOST_LIGHT_SAMPLES: u32 = 4096;
+
+/// Most wavelengths of a render: beyond them nobody sees a difference.
+const MOST_WAVELENGTHS: u32 = 64;
 
 /// How near to parallel `up` and the view may be: the sine of the angle between them.
 const LEAST_SINE: f64 = 1e-4;
@@ -57,6 +64,8 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
         shadows: table.or("shadows", default.shadows, |v| {
             v.choice(&[("straight", ShadowRule::Straight), ("opaque", ShadowRule::Opaque)])
         })?,
+        lamps: lamps(table, default.lamps)?,
+        wavelengths: table.or("wavelengths", default.wavelengths, |v| v.whole(FEWEST_BANDS..=MOST_WAVELENGTHS))?,
     };
     table.finish()?;
     let pixels = u64::from(settings.width) * u64::from(settings.height);
@@ -65,4 +74,27 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
         return Err(Error::Limit(format!("{place} are more than the {} allowed", options.limits.film_pixels)));
     }
     Ok(settings)
+}
+
+fn lamps(table: &Table<'_>, default: LampSampling) -> Result<LampSampling> {
+    let count = table.get("light_samples");
+    let lamps = LampSampling {
+        count: count.as_ref().map_or(Ok(default.count), |v| v.whole(1..=MOST_LIGHT_SAMPLES))?,
+        pattern: table.or("light_pattern", default.pattern, |v| {
+            v.choice(&[("sobol", Pattern::Sobol), ("grid", Pattern::Grid)])
+        })?,
+        seed: table.or("light_seed", default.seed, |v| v.whole(0..=u32::MAX))?,
+        probe: table.or("penumbra", default.probe, |v| v.choice(&[("probed", true), ("full", false)]))?,
+    };
+    let side = lamps.count.isqrt();
+    if lamps.pattern == Pattern::Grid && side * side != lamps.count {
+        let message = format!(
+            "a grid of {} `light_samples` is no square; take {} or {}",
+            lamps.count,
+            side * side,
+            (side + 1) * (side + 1)
+        );
+        return Err(count.map_or_else(|| table.error(&message), |v| v.error(&message)));
+    }
+    Ok(lamps)
 }

@@ -5,19 +5,27 @@ use glam::{DVec3, Vec3};
 use super::table::{Table, Value};
 use crate::Result;
 use crate::load::transform::sin_cos_degrees;
-use crate::scene::{Falloff, Light, LightKind};
+use crate::scene::{Falloff, Light, LightKind, Spread};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Point,
     Spot,
     Directional,
+    Sphere,
+    Rectangle,
 }
 
 /// Reads the `i`th light.
 pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
     let name = table.opt("name", |v| v.text().map(str::to_owned))?.unwrap_or_else(|| format!("light {}", i + 1));
-    let kinds = [("point", Kind::Point), ("spot", Kind::Spot), ("directional", Kind::Directional)];
+    let kinds = [
+        ("point", Kind::Point),
+        ("spot", Kind::Spot),
+        ("directional", Kind::Directional),
+        ("sphere", Kind::Sphere),
+        ("rectangle", Kind::Rectangle),
+    ];
     let kind = match table.need("type")?.choice(&kinds)? {
         Kind::Point => LightKind::Point { position: table.need("position")?.point()? },
         Kind::Spot => {
@@ -36,6 +44,11 @@ pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
             LightKind::Spot { position, direction, cos_inner: cos(inner), cos_outer: cos(outer) }
         }
         Kind::Directional => LightKind::Directional { direction: direction(table, Vec3::ZERO)?.as_vec3() },
+        Kind::Sphere => LightKind::Sphere {
+            position: table.need("position")?.point()?,
+            radius: table.need("radius")?.positive()? as f32,
+        },
+        Kind::Rectangle => rectangle(table)?,
     };
     let light = Light {
         name,
@@ -48,6 +61,42 @@ pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
     };
     table.finish()?;
     Ok(light)
+}
+
+/// How near to parallel the edges of a rectangle may be: the sine of the angle between them.
+const LEAST_SINE: f64 = 1e-3;
+
+/// How near to its own plane a rectangle may be told to shine: the sine of the angle between them.
+const LEAST_LIFT: f64 = 1e-3;
+
+/// A rectangle: its middle and its two edges, and, where the order of these does not say it, the side that shines.
+fn rectangle(table: &Table<'_>) -> Result<LightKind> {
+    let position = table.need("position")?.point()?;
+    let given = table.need("edges")?;
+    let list = given.list()?;
+    let [first, second] = list.as_slice() else {
+        return Err(given.error(format!("`edges` are two vectors, not {}: [[x, y, z], [x, y, z]]", list.len())));
+    };
+    let mut edges = [first.place()?, second.place()?];
+    let normal = edges[0].cross(edges[1]);
+    let fits = normal.length() > LEAST_SINE * edges[0].length() * edges[1].length();
+    if !fits || !(normal.as_vec3().length_squared() > 0.0) {
+        let message = format!("the rectangle's edges, {} and {}, are parallel: it has no area", edges[0], edges[1]);
+        return Err(given.error(message));
+    }
+    let spread =
+        table.or("spread", Spread::Cosine, |v| v.choice(&[("cosine", Spread::Cosine), ("even", Spread::Even)]))?;
+    if let Some(aim) = table.get("direction").or_else(|| table.get("target")) {
+        let lift = direction(table, position)?.dot(normal.normalize());
+        if lift.abs() < LEAST_LIFT {
+            return Err(aim.error("the rectangle is told to shine along its own plane; turn its edges"));
+        }
+        if lift < 0.0 {
+            edges.swap(0, 1);
+        }
+    }
+    let corner = position.as_dvec3() - (edges[0] + edges[1]) * 0.5;
+    Ok(LightKind::Rectangle { corner: corner.as_vec3(), edges: edges.map(|e| e.as_vec3()), spread })
 }
 
 /// Where the light goes: along `direction`, or from `position` towards `target`.

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::Reader;
+use super::refraction::{index, ior};
 use super::table::{Table, Value};
 use crate::Result;
 use crate::load::assembly::Assembly;
@@ -49,9 +50,11 @@ pub(super) fn material<'d>(
         },
         Kind::Conductor => conductor(table)?,
         Kind::Dielectric => {
+            let (ior, dispersion) = index(table)?;
             let medium = Medium {
                 name: name.to_owned(),
-                ior: ior(table, None)?,
+                ior,
+                dispersion,
                 absorption: absorption(table)?,
                 priority: table.or("priority", 0, Value::signed)?,
             };
@@ -111,18 +114,6 @@ fn conductor(table: &Table<'_>) -> Result<Interface> {
             Ok(Interface::Conductor { eta: value, k: extinction })
         }
         _ => Err(table.error("a conductor needs either `metal`, or both `eta` and `k`")),
-    }
-}
-
-/// `ior`, or that of the named `glass`.
-fn ior(table: &Table<'_>, default: Option<f64>) -> Result<f64> {
-    match (table.get("ior"), table.get("glass")) {
-        (Some(v), None) => v.ior(),
-        (None, Some(v)) => Ok(catalogue::transparent(v.text()?).map_err(|e| v.error(e))?.ior),
-        (Some(_), Some(v)) => Err(v.error("give either `ior` or `glass`, not both")),
-        (None, None) => {
-            default.ok_or_else(|| table.error(format!("{} of this type needs `ior` or `glass`", table.what)))
-        }
     }
 }
 

@@ -5,6 +5,7 @@ mod environment;
 mod light;
 mod material;
 mod mesh;
+mod refraction;
 mod table;
 
 use std::collections::HashMap;

@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::super::brief::brief;
 use crate::load::suggest::hint;
 use crate::load::transform::within_limit;
 use crate::{Error, Result};
@@ -43,7 +44,7 @@ impl<'d> Source<'d> {
         let line = self.line(span.start);
         let before = self.text.get(self.starts[line - 1]..span.start);
         let column = before.map(|b| b.chars().count() + 1);
-        Error::Input { file: self.file.to_owned(), line, column, message: message.into() }
+        Error::Input { file: self.file.to_owned(), line, column, message: brief(message.into()) }
     }
 }
 
@@ -138,6 +139,11 @@ pub(super) struct Value<'d> {
 }
 
 impl<'d> Value<'d> {
+    /// The key it stands at.
+    pub(super) fn key(&self) -> &str {
+        &self.key
+    }
+
     pub(super) fn span(&self) -> Span {
         self.value.span()
     }

@@ -28,7 +28,9 @@ use super::library::Entry;
 use super::scan::short;
 use crate::load::assembly::Assembly;
 use crate::load::source::folder_of;
-use crate::scene::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Rgb};
+use crate::scene::{
+    Colour, Dispersion, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Rgb,
+};
 use crate::{Error, Result};
 
 /// Makes the material of an MTL entry, with its medium and picture.
@@ -56,7 +58,13 @@ pub(super) fn material(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<Mat
         9 => Interface::ThinDielectric { ior: ior as f32, rule: FresnelRule::Fixed(Rgb::ZERO), tint },
         5 => Interface::Coated { ior: ior as f32 },
         6 | 7 => {
-            let medium = Medium { name: entry.name.clone(), ior, absorption: Rgb::ZERO, priority: 0 };
+            let medium = Medium {
+                name: entry.name.clone(),
+                ior,
+                dispersion: Dispersion::None,
+                absorption: Rgb::ZERO,
+                priority: 0,
+            };
             let rule = if illum == 6 { FresnelRule::Fixed(ks) } else { FresnelRule::Fresnel };
             Interface::Dielectric { medium: assembly.add_medium(medium), rule, tint }
         }

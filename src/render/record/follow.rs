@@ -18,6 +18,7 @@ use crate::render::RayKind;
 use crate::render::lamp::before_lamp;
 use crate::render::queue::{Chunk, State8};
 use crate::render::shading::Shading;
+use crate::render::soft::SoftStages;
 use crate::render::split::SplitStage;
 use crate::render::surface::Surface8;
 use crate::render::tile::Tile;
@@ -51,6 +52,8 @@ pub fn record<I: Intersector>(worker: &mut Worker<I>, tile: &Tile) -> Result<Tre
     let n = worker.shading.scene.settings.samples;
     for sample in 0..n * n {
         let mut chunk = Chunk::default();
+        worker.shading.tile = *tile;
+        worker.begin(sample);
         worker.camera_rays(tile, sample % n, sample / n, &mut chunk);
         let chunk = alone(&chunk, 0, 0);
         let node = tree.sent(event(&worker.shading, &chunk, None, RayKind::Camera, 0));
@@ -117,9 +120,11 @@ impl<I: Intersector> Worker<'_, I> {
         if glow != DVec3::ZERO {
             tree.at(ray.node, |event| event.shares.push(Share::free(Source::Glow, glow)));
         }
+        // Marching shadows gather surfaces of their own into the worker's list.
+        let surfaces = take(&mut self.surfaces);
         for &(light, shine) in &stages.lights {
             let before = self.added();
-            shine(&mut self.shading, light, &self.surfaces, &self.bases);
+            shine(&mut self.shading, light, &surfaces, &self.bases);
             let shadow = self.shading.shadows.rays.first().copied();
             let waits: DVec3 = self.shading.shadows.states.iter().map(|state| widened(state.weight)).sum();
             self.flush_shadows(ray.depth, coherence);
@@ -132,7 +137,42 @@ impl<I: Intersector> Worker<'_, I> {
             let share = Share { source: Source::Light(light as u32), unshadowed, radiance, blocker };
             tree.at(ray.node, |event| event.shares.push(share));
         }
+        for (lamp, soft) in &stages.lamps {
+            if let Some(share) = self.soft_share(*lamp, soft, ray.depth, coherence) {
+                tree.at(ray.node, |event| event.shares.push(share));
+            }
+        }
         Ok(())
+    }
+
+    /// Adds what a lamp with an extent sends to the surface, and says what it was, all its points together; none where
+    /// it would be nothing without any shadow.
+    fn soft_share(&mut self, lamp: usize, soft: &SoftStages, depth: usize, coherence: Coherence) -> Option<Share> {
+        let sums = take(&mut self.shading.accumulator);
+        self.shading.accumulator.reset(1);
+        (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+        let unshadowed = from_fixed(self.shading.accumulator.sums(0).0);
+        self.shading.accumulator = sums;
+        if unshadowed == DVec3::ZERO {
+            return None;
+        }
+        let before = self.added();
+        let mut shadow = None;
+        if soft.shadows {
+            (soft.ask)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+            let rays = [&self.shading.probes.queue.rays, &self.shading.shadows.rays];
+            shadow = rays.into_iter().flatten().next().copied();
+            if !self.shading.probes.queue.is_empty() {
+                self.answer_probes(depth, coherence);
+                (soft.settle)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+            }
+            self.flush_shadows(depth, coherence);
+        } else {
+            (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+        }
+        let radiance = self.added_since(before);
+        let blocker = shadow.filter(|_| radiance == DVec3::ZERO).and_then(|shadow| self.blocker(shadow));
+        Some(Share { source: Source::Light(lamp as u32), unshadowed, radiance, blocker })
     }
 
     /// Writes down the surface that was met, how it divides light, and what the limits will cut off.
@@ -204,7 +244,9 @@ impl<I: Intersector> Worker<'_, I> {
     fn split(&mut self, surface: &Surface8, unit: &Tried, cos_i: F32x8) -> Split {
         let shading = &mut self.shading;
         let of = |kind: RayKind| unit.sent.iter().find(|sent| sent.kind == kind);
-        let share = |kind: RayKind| of(kind).map_or(DVec3::ZERO, |sent| widened(sent.weight));
+        let share = |kind: RayKind| -> DVec3 {
+            unit.sent.iter().filter(|sent| sent.kind == kind).map(|sent| widened(sent.weight)).sum()
+        };
         let (reflected, transmitted) = (share(RayKind::Reflected), share(RayKind::Transmitted));
         let one = glam::Vec3::ONE;
         let tinted = |tint: glam::Vec3| ((one - reflected.as_vec3()) * (one - tint)).as_dvec3();

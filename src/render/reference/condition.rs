@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use super::Prepared;
+use super::{Prepared, film_ray};
 
 impl Prepared<'_> {
     /// By how little the camera ray has to move for the radiance at a point of the film to move by more than
@@ -16,7 +16,9 @@ impl Prepared<'_> {
     #[must_use]
     pub fn ulps_until_moved(&self, x: f64, y: f64, tolerance: f64, most: f64) -> Option<f64> {
         let (origin, dir) = self.camera_ray(x, y);
-        let here = self.radiance_along(origin, dir);
+        let film = film_ray(x, y);
+        let radiance = |origin, dir| self.trace_for(film, origin, dir).radiance.to_array();
+        let here = radiance(origin, dir);
         let (right, up) = dir.any_orthonormal_pair();
         let reach = self.scene.camera.eye.as_dvec3().abs().max_element();
         let steps = std::iter::successors(Some(1.0), |ulps| Some(ulps * 2.0)).take_while(|&ulps| ulps <= most);
@@ -26,7 +28,7 @@ impl Prepared<'_> {
                 let step = (right * cos + up * sin) * (ulps * f64::from(f32::EPSILON));
                 let moved = [(origin, (dir + step).normalize()), (origin + step * reach, dir)];
                 let far = |there: [f64; 3]| there.iter().zip(here).any(|(a, b)| (a - b).abs() > tolerance);
-                moved.iter().any(|&(origin, dir)| far(self.radiance_along(origin, dir)))
+                moved.iter().any(|&(origin, dir)| far(radiance(origin, dir)))
             })
         })
     }

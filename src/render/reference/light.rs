@@ -2,14 +2,16 @@
 
 use glam::DVec3;
 
+use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
 use super::media::{MediumStack, Meeting};
 use super::split::{reflectance, share};
 use super::{Prepared, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
+use crate::math::Vector3;
 use crate::optics::{Boundary, thin_reflectance, transmittance};
-use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule};
+use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule, Spread};
 
 /// Transmissive surfaces that light passes on its way, at most; more count as an opaque one.
 const MARCHED_AT_MOST: usize = 256;
@@ -28,31 +30,45 @@ pub(super) struct Arriving {
 }
 
 impl Arriving {
-    /// The light that reaches `point`; not finite where the light stands on the point.
-    pub fn at(light: &Light, point: DVec3) -> Self {
-        let (towards, distance, cone) = match light.kind {
+    /// The light that reaches `point`; not finite where the light stands on the point. Of a lamp with an extent it is
+    /// what its whole intensity would send from its point `of`.
+    pub fn at(light: &Light, point: DVec3, of: [f64; 2]) -> Self {
+        let physical = light.falloff == Falloff::InverseSquare;
+        let from_point = |position: DVec3| {
+            let way = position - point;
+            let weakened = if physical { 1.0 / way.length_squared() } else { 1.0 };
+            (way / way.length(), way.length(), weakened)
+        };
+        let (towards, distance, factor) = match light.kind {
             LightKind::Directional { direction } => (-direction.as_dvec3().normalize(), f64::INFINITY, 1.0),
-            LightKind::Point { position } => {
-                let way = position.as_dvec3() - point;
-                (way / way.length(), way.length(), 1.0)
-            }
+            LightKind::Point { position } => from_point(position.as_dvec3()),
             LightKind::Spot { position, direction, cos_inner, cos_outer } => {
-                let way = position.as_dvec3() - point;
-                let towards = way / way.length();
+                let (towards, distance, weakened) = from_point(position.as_dvec3());
                 let cos = -towards.dot(direction.as_dvec3().normalize());
-                (towards, way.length(), cone(cos, f64::from(cos_inner), f64::from(cos_outer)))
+                (towards, distance, weakened * cone(cos, f64::from(cos_inner), f64::from(cos_outer)))
+            }
+            LightKind::Sphere { position, radius } => {
+                let ball = Ball { centre: position.as_dvec3().into(), radius: f64::from(radius) };
+                from_extent(&ball, physical, point, of)
+            }
+            LightKind::Rectangle { corner, edges, spread } => {
+                let edges = edges.map(|edge| edge.as_dvec3());
+                let normal = (spread == Spread::Cosine).then(|| edges[0].cross(edges[1]).normalize().into());
+                let sheet = Sheet { corner: corner.as_dvec3().into(), edges: edges.map(Vector3::from), normal };
+                from_extent(&sheet, physical, point, of)
             }
         };
-        let strength = light.intensity.as_dvec3() * cone;
-        let (diffuse, highlight) = match light.falloff {
-            Falloff::None => (strength, strength),
-            Falloff::InverseSquare => {
-                let weakened = if distance.is_infinite() { strength } else { strength / (distance * distance) };
-                (weakened / std::f64::consts::PI, weakened)
-            }
-        };
+        let highlight = light.intensity.as_dvec3() * factor;
+        let diffuse = if physical { highlight / std::f64::consts::PI } else { highlight };
         Self { towards, distance, diffuse, highlight }
     }
+}
+
+/// Direction to a point of a lamp, distance, and what share of its intensity arrives.
+fn from_extent(lamp: &impl Extent<f64>, physical: bool, point: DVec3, of: [f64; 2]) -> (DVec3, f64, f64) {
+    let point = Vector3::from(point);
+    let seen = if physical { lamp.point::<true>(point, of) } else { lamp.point::<false>(point, of) };
+    (seen.dir.into(), seen.distance, seen.share.max(0.0))
 }
 
 fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
@@ -67,14 +83,14 @@ fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
 }
 
 /// The share of a light at the far end of `ray` that reaches its start, where the media are `stack`, and how often it
-/// left a medium it had never entered.
-pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) {
+/// left a medium it had never entered. The media have their indices for light of the wavelength `nm`.
+pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
     if prepared.accel.occluded(&blocking(prepared, ray)) {
         return (DVec3::ZERO, 0);
     }
     match prepared.scene.settings.shadows {
         ShadowRule::Opaque => (DVec3::ONE, 0),
-        ShadowRule::Straight => march(prepared, ray, stack),
+        ShadowRule::Straight => march(prepared, ray, stack, nm),
     }
 }
 
@@ -99,7 +115,7 @@ fn end_of(ray: &Ray64) -> f64 {
 }
 
 /// Straight through every transmissive surface on the way.
-fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) {
+fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
     let scene = prepared.scene;
     let mut stack = stack.clone();
     let (mut share_left, mut unmatched_exits, mut reached) = (DVec3::ONE, 0, 0.0);
@@ -123,7 +139,7 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
             Interface::Dielectric { medium, rule, tint } => match stack.meet(scene, medium, crossing.front) {
                 Meeting::NotThere(beyond) => stack = beyond,
                 Meeting::Boundary { from, to, beyond, unmatched } => {
-                    let (n1, n2) = (prepared.ior(from), prepared.ior(to));
+                    let (n1, n2) = (prepared.ior(from, nm), prepared.ior(to, nm));
                     let boundary = Boundary::new(n1.min(n2), n1.max(n2));
                     let r = reflectance(prepared.fresnel, &boundary, &boundary.cross(cos));
                     share_left *= (DVec3::ONE - share(rule, false, r)) * tint.as_dvec3();
@@ -132,7 +148,7 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack) -> (DVec3, u64) 
                 }
             },
             Interface::ThinDielectric { ior, rule, tint } => {
-                let boundary = Boundary::new(prepared.ior(stack.top(scene)), f64::from(ior));
+                let boundary = Boundary::new(prepared.ior(stack.top(scene), nm), f64::from(ior));
                 let at = boundary.cross(cos);
                 let r = thin_reflectance(reflectance(prepared.fresnel, &boundary, &at));
                 share_left *= (DVec3::ONE - share(rule, at.total, r)) * tint.as_dvec3();

@@ -8,6 +8,7 @@
 mod camera;
 mod colour;
 mod condition;
+mod disperse;
 mod light;
 mod media;
 mod split;
@@ -20,13 +21,14 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{Observer, Options, Outcome, StreamCounts};
+use super::{FilmRay, Observer, Options, Outcome, Reflection, StreamCounts};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
 use crate::image::Film;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{Bands, FresnelModel, Oliveira, RefractionModel, Spectrum};
 use crate::scene::{Material, Scene};
 use crate::{Error, Result};
 use media::MediumStack;
@@ -41,10 +43,17 @@ pub struct Prepared<'a> {
     fresnel: FresnelModel,
     refraction: RefractionModel,
     oliveira: Oliveira,
+    reflection: Reflection,
     /// Whether light ends where it would be reflected totally.
     total_is_lost: bool,
     /// What camera rays start in.
     stack: MediumStack,
+    /// Where lamps with an extent are sampled.
+    points: LampPoints,
+    /// The wavelengths of a pixel's samples.
+    spectrum: Spectrum,
+    /// Those of a ray on its own.
+    bands: Bands,
 }
 
 impl<'a> Prepared<'a> {
@@ -58,11 +67,16 @@ impl<'a> Prepared<'a> {
     /// caller to take out ([`effects::without`]).
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let (fresnel, refraction, oliveira) = (options.fresnel, options.bending(), options.oliveira);
+        let &Options { fresnel, oliveira, reflection, .. } = options;
+        let refraction = options.bending();
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        Self { scene, accel, fresnel, refraction, oliveira, total_is_lost, stack }
+        let settings = &scene.settings;
+        let points = LampPoints::new(&settings.lamps);
+        let spectrum = Spectrum::new(settings.wavelengths, settings.samples);
+        let bands = Bands::new(settings.wavelengths, 0.5);
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, total_is_lost, stack, points, spectrum, bands }
     }
 
     /// What was built.
@@ -82,11 +96,11 @@ impl<'a> Prepared<'a> {
     #[must_use]
     pub fn radiance_at(&self, x: f64, y: f64) -> [f64; 3] {
         let (origin, dir) = self.camera_ray(x, y);
-        self.radiance_along(origin, dir)
+        self.trace_for(film_ray(x, y), origin, dir).radiance.to_array()
     }
 
     /// Radiance that arrives at `origin` from `dir` (of unit length), by one ray of depth 0 that starts in the medium
-    /// around the camera's eye.
+    /// around the camera's eye. Where a medium disperses it, each band counts by the wavelength in its middle.
     #[must_use]
     pub fn radiance_along(&self, origin: DVec3, dir: DVec3) -> [f64; 3] {
         self.trace(origin, dir).radiance.to_array()
@@ -95,7 +109,13 @@ impl<'a> Prepared<'a> {
     /// [`Prepared::radiance_along`] with all that is counted on the way.
     #[must_use]
     pub fn trace(&self, origin: DVec3, dir: DVec3) -> Tally {
-        Tracer::trace(self, origin, dir, &mut Off)
+        self.trace_for(FilmRay::default(), origin, dir)
+    }
+
+    /// [`Prepared::trace`] with lamps sampled as for that ray of the film.
+    #[must_use]
+    pub fn trace_for(&self, film: FilmRay, origin: DVec3, dir: DVec3) -> Tally {
+        Tracer::trace(self, film, &self.bands, origin, dir, &mut Off)
     }
 
     /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
@@ -115,7 +135,9 @@ impl<'a> Prepared<'a> {
         for j in 0..n {
             for i in 0..n {
                 let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
-                mean.merge(&Tracer::trace(self, origin, dir, record), share);
+                let film = FilmRay { pixel: [column, row], sample: j * n + i };
+                let bands = &self.spectrum.sets()[self.spectrum.set_of(film.sample)];
+                mean.merge(&Tracer::trace(self, film, bands, origin, dir, record), share);
             }
         }
         mean
@@ -125,9 +147,16 @@ impl<'a> Prepared<'a> {
         &self.scene.materials[self.scene.objects[geometry as usize].material as usize]
     }
 
-    fn ior(&self, medium: u32) -> f64 {
-        self.scene.media[medium as usize].ior
+    /// The index of a medium for light of a wavelength, or for white light.
+    fn ior(&self, medium: u32, nm: Option<f64>) -> f64 {
+        let medium = &self.scene.media[medium as usize];
+        nm.map_or(medium.ior, |nm| medium.index_at(nm))
     }
+}
+
+/// The first ray of the pixel in which a point of the film lies.
+fn film_ray(x: f64, y: f64) -> FilmRay {
+    FilmRay { pixel: [x, y].map(|at| at.floor().max(0.0) as u32), sample: 0 }
 }
 
 /// One row of the picture.
@@ -141,17 +170,27 @@ struct Row {
 /// Renders the whole picture, rows in parallel. The bytes do not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads cannot be had.
+/// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads or memory for
+/// the picture cannot be had.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
+    super::room::check(&scene.settings)?;
+    let scene = &*effects::without(scene, options.effects.without);
+    picture(&Prepared::with(scene, options), options, observer)
+}
+
+/// [`render`], of a scene that is ready; its own choice of formulas holds.
+///
+/// # Errors
+/// As [`render`].
+pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> Result<Outcome> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
-    let scene = &*effects::without(scene, options.effects.without);
-    let prepared = Prepared::with(scene, options);
-    let (width, height) = (scene.settings.width, scene.settings.height);
-    let rows: Vec<Row> = pool
-        .install(|| (0..height).into_par_iter().map(|y| row(&prepared, width, y, observer)).collect::<Result<_>>())?;
+    let settings = &prepared.scene.settings;
+    let (width, height) = (settings.width, settings.height);
+    let rows: Vec<Row> =
+        pool.install(|| (0..height).into_par_iter().map(|y| row(prepared, width, y, observer)).collect::<Result<_>>())?;
 
     let mut film = Film { width, height, pixels: Vec::new() };
     let mut truncated = Film { width, height, pixels: Vec::new() };

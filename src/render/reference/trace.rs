@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::disperse::Dispersing;
 use super::light::{Arriving, blocker, let_through};
 use super::media::{MediumStack, Meeting};
 use super::split::{of_metal, reflectance, share};
@@ -10,12 +11,12 @@ use super::{Prepared, Tally, colour};
 use crate::accel::reference::Ray64;
 use crate::math::Vector3;
 use crate::optics::{
-    Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
+    Bands, Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
     StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
 };
-use crate::render::RayKind;
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
-use crate::scene::{Highlight, HighlightModel, Interface, Material, MirrorSource};
+use crate::render::{FilmRay, RayKind, Reflection};
+use crate::scene::{Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
 
 /// Surfaces that are "not there" in a row, at most.
 const PASSED_AT_MOST: u32 = 256;
@@ -29,6 +30,8 @@ pub(super) struct Pending {
     pub weight: DVec3,
     pub depth: u32,
     pub kind: RayKind,
+    /// Wavelength in nanometres; none is white.
+    pub nm: Option<f64>,
     pub stack: MediumStack,
     /// Surfaces in a row that were not there.
     pub passed: u32,
@@ -37,40 +40,68 @@ pub(super) struct Pending {
 }
 
 /// A ray's arrival at a surface.
-struct Arrival<'a> {
-    ray: &'a Pending,
-    surface: Surface,
-    material: &'a Material,
+pub(super) struct Arrival<'a> {
+    pub ray: &'a Pending,
+    pub surface: Surface,
+    pub material: &'a Material,
     /// Unit normals on the side the ray arrives on.
-    geometric: DVec3,
-    shading: DVec3,
-    cos_i: f64,
+    pub geometric: DVec3,
+    pub shading: DVec3,
+    pub cos_i: f64,
+}
+
+/// What a light, or some points of it, added.
+#[derive(Clone, Copy)]
+struct Lit {
+    /// From the first of the points.
+    arriving: Arriving,
+    unshadowed: DVec3,
+    radiance: DVec3,
+}
+
+impl Lit {
+    fn and(self, o: Self) -> Self {
+        Self { unshadowed: self.unshadowed + o.unshadowed, radiance: self.radiance + o.radiance, ..self }
+    }
 }
 
 /// Traces depth first: what a ray sends out waits on a list instead of on the call stack, which a scene's depth limit
 /// could exhaust.
 pub(super) struct Tracer<'a, 'r, L: Recorder> {
-    prepared: &'a Prepared<'a>,
+    pub prepared: &'a Prepared<'a>,
+    /// Whose camera ray it is.
+    film: FilmRay,
+    /// What white light divides into.
+    pub bands: &'a Bands,
     tally: Tally,
     pending: Vec<Pending>,
     record: &'r mut L,
 }
 
 impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
-    /// All that comes of a camera ray.
-    pub fn trace(prepared: &'a Prepared<'a>, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
+    /// All that comes of a camera ray, sampled as that ray of the film is, whose white light divides into `bands`.
+    pub fn trace(
+        prepared: &'a Prepared<'a>,
+        film: FilmRay,
+        bands: &'a Bands,
+        origin: DVec3,
+        dir: DVec3,
+        record: &'r mut L,
+    ) -> Tally {
         let mut camera_ray = Pending {
             origin,
             dir,
             weight: DVec3::ONE,
             depth: 0,
             kind: RayKind::Camera,
+            nm: None,
             stack: prepared.stack.clone(),
             passed: 0,
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
-        let mut tracer = Self { prepared, tally: Tally::default(), pending: vec![camera_ray], record };
+        let (tally, pending) = (Tally::default(), vec![camera_ray]);
+        let mut tracer = Self { prepared, film, bands, tally, pending, record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
@@ -149,7 +180,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     }
 
     /// Writes down how a surface divides light.
-    fn split(&mut self, at: &Arrival, split: Split) {
+    pub fn split(&mut self, at: &Arrival, split: Split) {
         self.note(at.ray.node, |event| event.split = Some(split));
     }
 
@@ -158,7 +189,8 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let prepared = self.prepared;
         let scene = prepared.scene;
         let one = DVec3::ONE;
-        let here = || prepared.ior(at.ray.stack.top(scene));
+        let nm = at.ray.nm;
+        let here = || prepared.ior(at.ray.stack.top(scene), nm);
         match at.material.interface {
             Interface::Opaque => {
                 self.split(at, Split::OPAQUE);
@@ -189,14 +221,17 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 self.base(at, 1.0);
                 let Some(Meeting::Boundary { from, to, beyond, unmatched }) = meeting else { return };
                 self.tally.unmatched_exits += u64::from(unmatched);
-                let boundary = Boundary::new(prepared.ior(from), prepared.ior(to));
+                let tint = tint.as_dvec3();
+                if self.disperse(at, &Dispersing { from, to, beyond: beyond.clone(), rule, tint }) {
+                    return;
+                }
+                let boundary = Boundary::new(prepared.ior(from, nm), prepared.ior(to, nm));
                 let crossing = boundary.cross(at.cos_i);
                 if crossing.total && prepared.total_is_lost {
                     self.tally.truncated += at.ray.weight;
                     return;
                 }
                 let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
-                let tint = tint.as_dvec3();
                 let transmitted = if crossing.total { DVec3::ZERO } else { (one - r) * tint };
                 let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
                 let bent = (!crossing.total && !total).then(|| match prepared.refraction {
@@ -206,7 +241,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 self.split(
                     at,
                     Split {
-                        indices: Some((prepared.ior(from), prepared.ior(to))),
+                        indices: Some((prepared.ior(from, nm), prepared.ior(to, nm))),
                         cos_t: bent,
                         total: crossing.total,
                         reflected: r,
@@ -216,21 +251,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 );
                 self.reflected(at, r);
                 if !crossing.total {
-                    let (kind, share) = (RayKind::Transmitted, (one - r) * tint);
-                    // Light that is not bent at all goes on as it came.
-                    if boundary.kc == 0.0 {
-                        self.send(at, kind, at.ray.dir, share, beyond);
-                    } else if total {
-                        let weight = at.ray.weight * share;
-                        self.tally.truncated += weight;
-                        let cut = Cut { kind, weight, too_deep: false, too_light: false };
-                        self.note(at.ray.node, |event| event.cut.push(cut));
-                    } else if at.surface.interpolated.is_some() {
-                        let dir = below_surface(direction, at.geometric.into());
-                        self.send(at, kind, dir.into(), share, beyond);
-                    } else {
-                        self.send(at, kind, direction.into(), share, beyond);
-                    }
+                    self.refracted(at, &boundary, &crossing, transmitted, beyond, nm);
                 }
             }
             Interface::ThinDielectric { ior, rule, tint } => {
@@ -281,7 +302,48 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
     }
 
-    fn reflected(&mut self, at: &Arrival, share: DVec3) {
+    /// Sends light of a wavelength, or white light, beyond a boundary.
+    pub fn refracted(
+        &mut self,
+        at: &Arrival,
+        boundary: &Boundary<f64>,
+        crossing: &Crossing<f64>,
+        share: DVec3,
+        beyond: MediumStack,
+        nm: Option<f64>,
+    ) {
+        let Refracted { direction, total } = self.prepared.refract(boundary, at, crossing);
+        // Light that is not bent at all goes on as it came.
+        if boundary.kc == 0.0 {
+            self.send_coloured(at, RayKind::Transmitted, at.ray.dir, share, beyond, nm);
+        } else if total {
+            let (kind, weight) = (RayKind::Transmitted, at.ray.weight * share);
+            self.tally.truncated += weight;
+            self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep: false, too_light: false }));
+        } else if at.surface.interpolated.is_some() {
+            let dir = below_surface(direction, at.geometric.into());
+            self.send_coloured(at, RayKind::Transmitted, dir.into(), share, beyond, nm);
+        } else {
+            self.send_coloured(at, RayKind::Transmitted, direction.into(), share, beyond, nm);
+        }
+    }
+
+    pub fn reflected(&mut self, at: &Arrival, share: DVec3) {
+        let weight = at.ray.weight * share;
+        match self.prepared.reflection {
+            Reflection::Traced => {}
+            Reflection::Environment => {
+                let seen = colour::of_environment(self.prepared.scene, at.mirrored());
+                self.add(at.ray.node, Source::MirroredEnvironment, weight * seen);
+                return;
+            }
+            Reflection::None => {
+                let cut = Cut { kind: RayKind::Reflected, weight, too_deep: false, too_light: false };
+                self.tally.truncated += weight;
+                self.note(at.ray.node, |event| event.cut.push(cut));
+                return;
+            }
+        }
         self.send(at, RayKind::Reflected, at.mirrored(), share, at.ray.stack.clone());
     }
 
@@ -289,15 +351,28 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.send(at, RayKind::Transmitted, at.ray.dir, share, at.ray.stack.clone());
     }
 
-    /// Queues a secondary ray, or counts its weight as truncated.
+    /// Queues a secondary ray of the wavelength that arrived, or counts its weight as truncated.
     fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, share: DVec3, stack: MediumStack) {
+        self.send_coloured(at, kind, dir, share, stack, at.ray.nm);
+    }
+
+    /// Queues a secondary ray, or counts its weight as truncated.
+    pub fn send_coloured(
+        &mut self,
+        at: &Arrival,
+        kind: RayKind,
+        dir: DVec3,
+        share: DVec3,
+        stack: MediumStack,
+        nm: Option<f64>,
+    ) {
         let settings = &self.prepared.scene.settings;
         let weight = at.ray.weight * share;
         if weight == DVec3::ZERO {
             return;
         }
         let too_deep = at.ray.depth >= settings.max_depth;
-        let too_light = weight.max_element() < f64::from(settings.cutoff);
+        let too_light = weight.abs().max_element() < f64::from(settings.cutoff);
         if too_deep || too_light {
             self.tally.truncated += weight;
             self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
@@ -305,7 +380,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
         let dir = dir.normalize();
         let origin = at.surface.start(dir);
-        let ray = Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, stack, passed: 0, node: 0 };
+        let ray = Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, nm, stack, passed: 0, node: 0 };
         self.queue(at.ray.node, ray);
     }
 
@@ -321,29 +396,46 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
         let albedo = colour::on_surface(scene, &material.diffuse, at.surface.point, at.surface.uv);
         for (number, light) in scene.lights.iter().enumerate() {
-            let arriving = Arriving::at(light, at.surface.point);
-            let cos_theta = arriving.towards.dot(at.shading);
-            if cos_theta <= 0.0 || arriving.towards.dot(at.geometric) <= 0.0 {
-                continue;
+            let points = &self.prepared.points;
+            let count = if light.kind.is_extended() { points.count() } else { 1 };
+            let by = points.scramble(self.film.pixel, at.ray.depth, number as u32);
+            let mut sum: Option<Lit> = None;
+            for i in 0..count {
+                let of = points.point(by, self.film.sample, i).map(f64::from);
+                if let Some(lit) = self.lit(at, light, of, albedo, weight / f64::from(count)) {
+                    sum = Some(sum.map_or(lit, |sum| sum.and(lit)));
+                }
             }
-            let lobe = material.highlight.map_or(DVec3::ZERO, |h| highlight(&h, at, arriving.towards));
-            let sent = albedo * arriving.diffuse * cos_theta + lobe * arriving.highlight;
-            if weight * sent == DVec3::ZERO {
-                continue;
+            if let Some(lit) = sum {
+                self.write_down(at, number, &lit);
             }
-            let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
-            let radiance = weight * sent * let_through;
-            self.tally.add(radiance);
-            self.lit(at, number, &arriving, weight * sent, radiance);
         }
     }
 
+    /// Adds what the surface sends of the light from a point of a lamp; none where it sends none.
+    fn lit(&mut self, at: &Arrival, light: &Light, of: [f64; 2], albedo: DVec3, weight: DVec3) -> Option<Lit> {
+        let arriving = Arriving::at(light, at.surface.point, of);
+        let cos_theta = arriving.towards.dot(at.shading);
+        if cos_theta <= 0.0 || arriving.towards.dot(at.geometric) <= 0.0 {
+            return None;
+        }
+        let lobe = at.material.highlight.map_or(DVec3::ZERO, |h| highlight(&h, at, arriving.towards));
+        let sent = albedo * arriving.diffuse * cos_theta + lobe * arriving.highlight;
+        if weight * sent == DVec3::ZERO {
+            return None;
+        }
+        let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
+        let radiance = weight * sent * let_through;
+        self.tally.add(radiance);
+        Some(Lit { arriving, unshadowed: weight * sent, radiance })
+    }
+
     /// Writes down what a light added, and what was in its way.
-    fn lit(&mut self, at: &Arrival, light: usize, arriving: &Arriving, unshadowed: DVec3, radiance: DVec3) {
+    fn write_down(&mut self, at: &Arrival, light: usize, lit: &Lit) {
         let prepared = self.prepared;
         self.note(at.ray.node, |event| {
-            let shadow =
-                Ray64 { t_max: arriving.distance, ..Ray64::new(at.surface.start(arriving.towards), arriving.towards) };
+            let &Lit { arriving: Arriving { towards, distance, .. }, unshadowed, radiance } = lit;
+            let shadow = Ray64 { t_max: distance, ..Ray64::new(at.surface.start(towards), towards) };
             let dark = radiance == DVec3::ZERO;
             let blocker = dark.then(|| blocker(prepared, &shadow)).flatten();
             event.shares.push(Share { source: Source::Light(light as u32), unshadowed, radiance, blocker });
@@ -354,7 +446,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.tally.rays.add(RayKind::Shadow, at.ray.depth as usize, 1);
         let origin = at.surface.start(arriving.towards);
         let ray = Ray64 { t_max: arriving.distance, ..Ray64::new(origin, arriving.towards) };
-        let (share, unmatched_exits) = let_through(self.prepared, &ray, &at.ray.stack);
+        let (share, unmatched_exits) = let_through(self.prepared, &ray, &at.ray.stack, at.ray.nm);
         self.tally.unmatched_exits += unmatched_exits;
         share
     }

@@ -1,32 +1,37 @@
 //! Boundaries of transparent solids and liquids: light is reflected and refracted.
 
-use super::super::media::{StackId, Transition};
+use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::super::worker::MOST_PASSES;
+use super::disperse::disperse;
 use super::{SplitStage, WHITE, gather_boundaries, lane_bits, reflected};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{
-    Bec, Boundary, FresnelFormula, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector,
-    Stable, StraightThrough, Trigonometric, below_surface, reflect,
+    Bec, Boundary, Crossing, FresnelFormula, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel,
+    SlidesVector, Stable, StraightThrough, Trigonometric, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// The stage for a formula.
+/// The stage for a formula, where media disperse light or none does.
 #[must_use]
-pub(super) fn pick<F: FresnelFormula>(model: RefractionModel) -> SplitStage {
+pub(super) fn pick<F: FresnelFormula>(model: RefractionModel, dispersing: bool) -> SplitStage {
+    if dispersing { pick_for::<F, true>(model) } else { pick_for::<F, false>(model) }
+}
+
+fn pick_for<F: FresnelFormula, const DISPERSING: bool>(model: RefractionModel) -> SplitStage {
     match model {
-        RefractionModel::Stable => split::<F, Stable>,
-        RefractionModel::Trigonometric => split::<F, Trigonometric>,
-        RefractionModel::Heckbert => split::<F, Heckbert>,
-        RefractionModel::Bec => split::<F, Bec>,
-        RefractionModel::SlidesVector => split::<F, SlidesVector>,
-        RefractionModel::Oliveira => split::<F, Oliveira>,
-        RefractionModel::StraightThrough => split::<F, StraightThrough>,
+        RefractionModel::Stable => split::<F, Stable, DISPERSING>,
+        RefractionModel::Trigonometric => split::<F, Trigonometric, DISPERSING>,
+        RefractionModel::Heckbert => split::<F, Heckbert, DISPERSING>,
+        RefractionModel::Bec => split::<F, Bec, DISPERSING>,
+        RefractionModel::SlidesVector => split::<F, SlidesVector, DISPERSING>,
+        RefractionModel::Oliveira => split::<F, Oliveira, DISPERSING>,
+        RefractionModel::StraightThrough => split::<F, StraightThrough, DISPERSING>,
     }
 }
 
@@ -53,50 +58,93 @@ macro_rules! without_values {
 
 without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThrough);
 
-fn split<F: FresnelFormula, R: OfRender>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
+fn split<F: FresnelFormula, R: OfRender, const DISPERSING: bool>(
+    shading: &mut Shading,
+    surfaces: &mut [Surface8],
+    depth: usize,
+) {
     let formula = R::of(shading);
     let total_is_lost = shading.total_is_lost;
     for surface in surfaces {
-        let (boundary, beyond) = enter(shading, surface, depth);
-        let lanes = surface.base_lanes;
+        let Entered { boundary, beyond, fans } = enter(shading, surface, depth);
+        let mut lanes = surface.base_lanes;
+        if DISPERSING {
+            lanes &= !disperse::<F, R>(shading, surface, lanes, &fans, &formula, depth);
+        }
         if lanes == 0 {
             continue;
         }
         let at = boundary.cross(-surface.incident.dot(surface.shading));
         let lanes = if total_is_lost { lose(shading, surface, lanes & at.total.bits(), lanes) } else { lanes };
         let share = ruled(shading, surface, Vec3x8::all(F::dielectric(&boundary, &at)), at.total);
-        let tint =
-            shading.colours(surface, |i| if let Interface::Dielectric { tint, .. } = i { *tint } else { Rgb::ONE });
 
         let dir = reflect(surface.incident, surface.shading);
         reflected(shading, surface, lanes, dir, surface.weight.times(share), depth);
 
         let refracting = lanes & !at.total.bits();
         if refracting != 0 {
-            let Refracted { direction, total } = formula.refract(&boundary, surface.incident, surface.shading, &at);
-            let dir = direction.normalized();
-            let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
-            // Light that is not bent at all stays so to the bit.
-            let straight = boundary.kc.eq(F32x8::ZERO);
-            let dir = Vec3x8::select(straight, surface.incident, dir);
-            let weight = surface.weight.times(WHITE - share).times(tint);
-            // A formula may know no direction where there is one; what it would carry is not in the picture.
-            let lost = total.bits() & !straight.bits() & refracting;
-            shading.accumulator.add_truncated8(lost, &surface.pixel, &weight);
-            let new = Spawn8 {
-                origin: surface.below(),
-                dir,
-                t_max: F32x8::INFINITY,
-                admits: GeometryMask::ALL,
-                weight,
-                pixel: &surface.pixel,
-                stack: &beyond,
-                lead: surface.lead(dir),
-                passes: &[0; 8],
-            };
-            shading.spawn(refracting & !lost, &new, RayKind::Transmitted, depth);
+            let weight = surface.weight.times(WHITE - share).times(tints(shading, surface));
+            refracted(shading, surface, refracting, &Refraction { boundary, at, weight, beyond }, &formula, depth);
         }
     }
+}
+
+/// Light that goes on beyond a boundary.
+pub(super) struct Refraction {
+    pub boundary: Boundary<F32x8>,
+    pub at: Crossing<F32x8>,
+    pub weight: Rgb8,
+    /// The media there.
+    pub beyond: [StackId; 8],
+}
+
+/// Sends refracted rays.
+#[inline(always)]
+pub(super) fn refracted<R: RefractionFormula>(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    light: &Refraction,
+    formula: &R,
+    depth: usize,
+) {
+    let Refraction { boundary, at, weight, beyond } = light;
+    let Refracted { direction, total } = formula.refract(boundary, surface.incident, surface.shading, at);
+    let dir = direction.normalized();
+    let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
+    // Light that is not bent at all stays so to the bit.
+    let straight = boundary.kc.eq(F32x8::ZERO);
+    let dir = Vec3x8::select(straight, surface.incident, dir);
+    // A formula may know no direction where there is one; what it would carry is not in the picture.
+    let lost = total.bits() & !straight.bits() & lanes;
+    shading.accumulator.add_truncated8(lost, &surface.pixel, weight);
+    let new = Spawn8 {
+        origin: surface.below(),
+        dir,
+        t_max: F32x8::INFINITY,
+        admits: GeometryMask::ALL,
+        weight: *weight,
+        pixel: &surface.pixel,
+        stack: beyond,
+        lead: surface.lead(dir),
+        passes: &[0; 8],
+    };
+    shading.spawn(lanes & !lost, &new, RayKind::Transmitted, depth);
+}
+
+/// What each lane's surface makes of light that passes.
+#[inline(always)]
+pub(super) fn tints(shading: &Shading, surface: &Surface8) -> Rgb8 {
+    shading.colours(surface, |i| if let Interface::Dielectric { tint, .. } = i { *tint } else { Rgb::ONE })
+}
+
+/// What eight rays meet.
+struct Entered {
+    boundary: Boundary<F32x8>,
+    /// The media beyond.
+    beyond: [StackId; 8],
+    /// What the wavelengths of white light do.
+    fans: [Option<FanId>; 8],
 }
 
 /// Ends the rays of some lanes, and gives the others of `all`.
@@ -109,7 +157,7 @@ fn lose(shading: &mut Shading, surface: &Surface8, lost: u8, all: u8) -> u8 {
 /// What each lane meets, and the media beyond. Rays at boundaries that are not there go on; the others are left in
 /// `base_lanes`.
 #[inline(always)]
-fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> (Boundary<F32x8>, [StackId; 8]) {
+fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered {
     let mut transitions = [None::<Transition>; 8];
     for (k, slot) in transitions.iter_mut().enumerate() {
         if let Interface::Dielectric { medium, .. } = *shading.interface(surface, k) {
@@ -125,7 +173,8 @@ fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> (Bounda
     if absent != 0 {
         pass(shading, surface, absent, &beyond, depth);
     }
-    (gather_boundaries(|k| transitions[k].map_or(Boundary::new(1.0, 1.0), |t| t.boundary)), beyond)
+    let boundary = gather_boundaries(|k| transitions[k].map_or(Boundary::new(1.0, 1.0), |t| t.boundary));
+    Entered { boundary, beyond, fans: transitions.map(|t| t.and_then(|t| t.fan)) }
 }
 
 /// Sends rays on through surfaces that are not there: same depth, same weight.

@@ -1,14 +1,16 @@
 //! The split stage: where light goes on from a surface, one function for each class, over a stream of its surfaces.
 
 mod dielectric;
+mod disperse;
 mod film;
 mod mirror;
+pub mod mirrored;
 
 use super::class::Class;
 use super::options::Options;
 use super::outcome::RayKind;
 use super::queue::{Rgb8, Spawn8};
-use super::shading::Shading;
+use super::shading::{Shading, disperses};
 use super::surface::Surface8;
 use crate::effects::Pipeline;
 use crate::geometry::GeometryMask;
@@ -46,29 +48,17 @@ fn pick_for<F: FresnelFormula>(class: Class, scene: &Scene, options: &Options) -
             Environment::LatLong { .. } => mirror::of_environment::<super::sky::LatLong>,
         }),
         Class::Conductor => Some(mirror::conductor::<F>),
-        Class::Dielectric => Some(dielectric::pick::<F>(options.bending())),
+        Class::Dielectric => Some(dielectric::pick::<F>(options.bending(), disperses(scene, options))),
         Class::Thin => Some(film::thin::<F>),
         Class::Coated => Some(film::coated::<F>),
         Class::Alpha => Some(film::alpha),
     }
 }
 
-/// Sends reflected rays.
+/// Sees to reflected light in the way of this render.
 #[inline(always)]
 fn reflected(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
-    let dir = dir.normalized();
-    let new = Spawn8 {
-        origin: surface.above(),
-        dir,
-        t_max: F32x8::INFINITY,
-        admits: GeometryMask::ALL,
-        weight,
-        pixel: &surface.pixel,
-        stack: &surface.stack,
-        lead: surface.lead(dir),
-        passes: &[0; 8],
-    };
-    shading.spawn(lanes, &new, RayKind::Reflected, depth);
+    (shading.reflect)(shading, surface, lanes, dir, weight, depth);
 }
 
 /// Sends rays on as they came.

@@ -106,7 +106,7 @@ fn noted(formula: usize, range: usize, errors: &Errors) -> Option<Noted> {
     let why = match (formula, range) {
         _ if noted.agrees() => "",
         (0, _) if !FUSED => "products are not fused in this build",
-        (0, 3) | (2, 3) => "cosines nearer to 1 than those noted, where roundings fall together",
+        (0, 3) | (2, 3) => "cosines nearer to 1 than those noted",
         _ if ours < value => "other roundings, and fused products",
         _ => "other roundings of the same cancellation",
     };

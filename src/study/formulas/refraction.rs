@@ -138,10 +138,10 @@ fn noted(formula: usize, range: usize) -> Option<f64> {
 fn why(formula: usize, range: usize, worst: f64, noted: f64) -> &'static str {
     match (formula, range) {
         _ if range >= 14 && (worst - noted).abs() < 2e-4 => "noted to a hundredth of a degree",
-        (_, 6) => "here the incident direction is the normal's opposite to the bit",
-        (1, _) if worst < noted => "our arc cosine and sine are within 2 ulp at every angle",
+        (_, 6) => "incident exactly opposite to the normal here",
+        (1, _) if worst < noted => "arc functions within 2 ulp at every angle",
         (1, _) => "other elementary functions",
-        (_, 10) => "at 1e-7 rad the rounding of the arguments decides, and few rays get through",
+        (_, 10) => "there the rounding of the arguments decides",
         _ if worst < noted => "fused products here",
         _ => "more or other rays",
     }

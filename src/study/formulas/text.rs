@@ -42,7 +42,7 @@ fn costs(kind: Kind, formulas: &[&Formula]) -> String {
         Kind::Triangle => "Ray/triangle test (error of t)",
     };
     let mut lines = vec![
-        format!("{title}: nanoseconds, and errors over `{first}` [{}]", kind.unit()),
+        format!("{title}\n  nanoseconds; errors over `{first}` [{}]", kind.unit()),
         format!(
             "  {:<17} {:>7} {:>6} {:>6}  {:>8} {:>8} {:>6} {:>8}",
             "", "8 x f32", "f32", "f64", "worst", "mean", "ulp", "f64"
@@ -73,18 +73,18 @@ fn by_range(kind: Kind, formulas: &[&Formula]) -> String {
 }
 
 fn leaks(formulas: &[&Formula]) -> String {
-    let share = |x: f64| if x == 0.0 { String::from("0") } else { format!("{:.3}%", x * 100.0) };
+    let share = |x: f64| if x == 0.0 { String::from("0") } else { format!("{:.2}%", x * 100.0) };
     let lost = table("Rays lost by a closed mesh", formulas, |e| share(e.misjudged));
     let fell = table("Rays for which f64 was asked", formulas, |e| share(e.settled));
     format!("{lost}\n\n{fell}")
 }
 
 fn table(title: &str, formulas: &[&Formula], cell: impl Fn(&Errors) -> String) -> String {
-    let short = |name: &str| name.replace("oliveira ", "").chars().take(8).collect::<String>();
-    let heads: Vec<String> = formulas.iter().map(|f| format!("{:>8}", short(f.name))).collect();
+    let short = |name: &str| name.replace("oliveira ", "").chars().take(7).collect::<String>();
+    let heads: Vec<String> = formulas.iter().map(|f| format!("{:>7}", short(f.name))).collect();
     let mut lines = vec![format!("  {:<35} {}", title, heads.join(" "))];
     for (r, range) in formulas[0].ranges.iter().enumerate() {
-        let cells: Vec<String> = formulas.iter().map(|f| format!("{:>8}", cell(&f.ranges[r]))).collect();
+        let cells: Vec<String> = formulas.iter().map(|f| format!("{:>7}", cell(&f.ranges[r]))).collect();
         lines.push(format!("  {:<35} {}", range.range, cells.join(" ")));
     }
     lines.join("\n")

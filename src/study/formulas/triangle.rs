@@ -62,14 +62,7 @@ fn formula<T: TriangleTest>(plan: &Plan, column: Option<usize>) -> super::Formul
         let value = column.map_or(0.0, |c| range.noted[c]);
         let noted = (T::NAME != PlaneArea::NAME).then(|| {
             let noted = Noted { value, ours: errors.misjudged, why: "" };
-            Noted {
-                why: if noted.agrees() {
-                    ""
-                } else {
-                    "another mesh, aimed at from other places, and fused dot products"
-                },
-                ..noted
-            }
+            Noted { why: if noted.agrees() { "" } else { "another mesh, and fused dot products" }, ..noted }
         });
         Errors { noted, ..errors }
     });

@@ -8,8 +8,8 @@ use crate::Result;
 use crate::geometry::{Geometry, GeometryMask, Shape, Sphere, TriMesh};
 use crate::render::{Observer, Options, render};
 use crate::scene::{
-    Camera, Environment, FresnelRule, Interface, Material, Medium, MirrorSource, Object, Origin, Projection, Rgb,
-    Scene, Settings,
+    Camera, Dispersion, Environment, FresnelRule, Interface, Material, Medium, MirrorSource, Object, Origin,
+    Projection, Rgb, Scene, Settings,
 };
 
 pub(super) const BATCHES: usize = 6;
@@ -78,7 +78,13 @@ fn add(scene: &mut Scene, shape: Shape, interface: Interface) {
 
 /// A clear shape of an index.
 fn clear(scene: &mut Scene, shape: Shape, ior: f64, priority: i32) {
-    scene.media.push(Medium { name: String::from("clear"), ior, absorption: Rgb::ZERO, priority });
+    scene.media.push(Medium {
+        name: String::from("clear"),
+        ior,
+        dispersion: Dispersion::None,
+        absorption: Rgb::ZERO,
+        priority,
+    });
     let medium = scene.media.len() as u32 - 1;
     add(scene, shape, Interface::Dielectric { medium, rule: FresnelRule::Fresnel, tint: Rgb::ONE });
 }

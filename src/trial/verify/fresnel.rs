@@ -8,8 +8,9 @@ use crate::simd::F32x8;
 
 const ULP: f64 = f32::EPSILON as f64;
 
-/// Indices on the way in and out of glass, water and diamond, between glass and water, and all but equal ones.
-pub(super) const PAIRS: [(f64, f64); 12] = [
+/// Pairs of indices that the optics are tried on, incident before transmitted: on the way in and out of glass, water and
+/// diamond, between glass and water, and all but equal ones.
+pub const INDEX_PAIRS: [(f64, f64); 12] = [
     (1.0, 1.5),
     (1.5, 1.0),
     (1.0, 1.33),
@@ -51,11 +52,11 @@ pub(super) fn cosine(rng: &mut Rng, critical: f64) -> f32 {
 }
 
 pub(super) fn batches(_plan: &Plan) -> usize {
-    PAIRS.len() * PARTS
+    INDEX_PAIRS.len() * PARTS
 }
 
 pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
-    let (n1, n2) = PAIRS[i / PARTS];
+    let (n1, n2) = INDEX_PAIRS[i / PARTS];
     let boundary = Boundary::<F32x8>::new(n1, n2);
     let critical = critical_cosine(n1, n2);
     let mut rng = Rng::new("fresnel", i);

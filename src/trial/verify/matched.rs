@@ -1,6 +1,6 @@
 //! What is exact in the optics: equal indices, the split of light, and one lane beside eight.
 
-use super::fresnel::{PAIRS, cosine, critical_cosine};
+use super::fresnel::{INDEX_PAIRS, cosine, critical_cosine};
 use super::sample::Rng;
 use super::{Plan, Tally};
 use crate::math::{Real, Vector3};
@@ -44,7 +44,7 @@ fn equal_indices(rng: &mut Rng, tally: &mut Tally) {
 
 /// `R + (1 - R)` is 1 to the bit, for every formula: what is not reflected goes through.
 fn split(rng: &mut Rng, tally: &mut Tally) {
-    let (n1, n2) = PAIRS[rng.below(PAIRS.len())];
+    let (n1, n2) = INDEX_PAIRS[rng.below(INDEX_PAIRS.len())];
     let boundary = Boundary::<F32x8>::new(n1, n2);
     let at = boundary.cross(F32x8::from_fn(|_| cosine(rng, critical_cosine(n1, n2))));
     for r in
@@ -70,7 +70,7 @@ fn answers<R: Real>(boundary: &Boundary<R>, incident: Vector3<R>, normal: Vector
 
 /// Each of eight lanes gives the bits of the scalar, with spoilt numbers in some of them.
 fn one_and_eight(rng: &mut Rng, tally: &mut Tally) {
-    let (n1, n2) = PAIRS[rng.below(PAIRS.len())];
+    let (n1, n2) = INDEX_PAIRS[rng.below(INDEX_PAIRS.len())];
     let (mut incident, mut normal) = (Vec3x8::splat(glam::Vec3::X), Vec3x8::splat(glam::Vec3::X));
     for lane in 0..8 {
         let angle = rng.unit().acos();

@@ -30,6 +30,7 @@ use rayon::prelude::*;
 #[cfg(feature = "embree")]
 pub use candidate::EmbreePath;
 pub use candidate::{Candidate, Held, NativePath, Way};
+pub use fresnel::INDEX_PAIRS;
 pub use group::Group;
 pub use scene::fire as fire_at_scene;
 pub use tally::{Tally, Worst};

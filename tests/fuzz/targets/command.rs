@@ -2,8 +2,10 @@
 
 #![no_main]
 
+#[allow(dead_code, reason = "each target needs a part of it")]
 #[path = "../command.rs"]
 mod command;
+#[allow(dead_code, reason = "each target needs a part of it")]
 #[path = "../entry.rs"]
 mod entry;
 

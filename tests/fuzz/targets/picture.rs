@@ -1,5 +1,6 @@
 #![no_main]
 
+#[allow(dead_code, reason = "each target needs a part of it")]
 #[path = "../entry.rs"]
 mod entry;
 

@@ -1,0 +1,91 @@
+//! `vitrum pixel`, as typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, value_parser};
+
+use super::{BackendArg, FresnelArg, RefractionArg, ShadowsArg, above_minus_one, cutoff, not_negative};
+
+/// Show the tree of rays behind one pixel, in f32 and in f64.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum pixel scenes/glass.toml 320 240
+  vitrum pixel scenes/glass.toml 320 240 --depth 3 --svg pixel.svg
+  vitrum pixel scenes/hall.toml 100 50 --sample 1 --least 0
+  vitrum pixel bunny.obj 64 64 --json > pixel.json
+
+Each ray is shown with what it met, its angles, what was reflected, transmitted
+and absorbed, what lights added or what blocked them, and what was cut off: by
+the renderer that makes pictures, and by the f64 reference. `ill-conditioned`
+is a pixel whose f64 value moves when its camera ray moves by a few ulps.")]
+pub(in crate::cli) struct PixelArgs {
+    /// Scene (.toml) or model (.obj)
+    pub scene: PathBuf,
+
+    /// Column of the picture, from 0 at the left
+    pub x: u32,
+
+    /// Row of the picture, from 0 at the top
+    pub y: u32,
+
+    /// Only this ray of the pixel's N by N, from 1, row by row [default: all]
+    #[arg(long, value_name = "K", value_parser = value_parser!(u32).range(1..=1_048_576), help_heading = "Report")]
+    pub sample: Option<u32>,
+
+    /// Fold away rays that, with all that follows, bring and differ by less
+    #[arg(long, value_name = "LIGHT", value_parser = not_negative, allow_negative_numbers = true,
+        default_value_t = 0.001, help_heading = "Report")]
+    pub least: f64,
+
+    /// Drawing of the tree to write
+    #[arg(long, value_name = "FILE", help_heading = "Report")]
+    pub svg: Option<PathBuf>,
+
+    /// Print the whole tree as JSON
+    #[arg(long, help_heading = "Report")]
+    pub json: bool,
+
+    /// Columns of the picture
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536), help_heading = "Picture")]
+    pub width: Option<u32>,
+
+    /// Rows of the picture
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536), help_heading = "Picture")]
+    pub height: Option<u32>,
+
+    /// N by N rays a pixel; 1 is its centre
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Picture")]
+    pub samples: Option<u32>,
+
+    /// How often a ray may reflect or refract
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=4096), help_heading = "Light")]
+    pub depth: Option<u32>,
+
+    /// End rays whose weight is below this, 0 to 1
+    #[arg(long, value_name = "WEIGHT", value_parser = cutoff, allow_negative_numbers = true, help_heading = "Light")]
+    pub cutoff: Option<f32>,
+
+    /// Wavelengths that white light divides into where a medium disperses it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(7..=64), help_heading = "Light")]
+    pub wavelengths: Option<u32>,
+
+    /// Formula that splits light at a surface
+    #[arg(long, value_enum, default_value_t = FresnelArg::Exact, help_heading = "Light")]
+    pub fresnel: FresnelArg,
+
+    /// Formula that bends light at a surface
+    #[arg(long, value_enum, default_value_t = RefractionArg::Stable, help_heading = "Light")]
+    pub refraction: RefractionArg,
+
+    /// The constant of `--refraction oliveira`, above -1 [default: 0.6645, for glass]
+    #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
+    pub oliveira: Option<f64>,
+
+    /// What transparent surfaces do to shadows [default: as the scene says]
+    #[arg(long, value_enum, help_heading = "Light")]
+    pub shadows: Option<ShadowsArg>,
+
+    /// What traces the rays in f32 [default: embree where built in, else native]
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub backend: Option<BackendArg>,
+}

@@ -1,0 +1,194 @@
+//! `vitrum render --max-error` and `--time-budget`: what is chosen, why, and whether it held.
+
+use super::backend::{Backend, Traced};
+use super::options::Render;
+use super::render::picture;
+use super::{interrupt, output};
+use crate::render::{self, Observer};
+use crate::scene::Scene;
+use crate::study::budget::check::{self, Check};
+use crate::study::budget::{self, Candidate, Choice, Wish};
+use crate::study::errors::VISIBLE;
+use crate::study::spheres::with_spheres;
+use crate::study::{self, Axis, Precision, Variant};
+use crate::{Error, Result};
+
+/// Pixels that are listed one by one.
+const LISTED: usize = 8;
+
+/// What was chosen for a budget, and what came of it.
+#[derive(serde::Serialize)]
+pub(super) struct Spent {
+    /// Whether the last picture kept the wish.
+    pub kept: bool,
+    /// The options that repeat it.
+    pub options: String,
+    pub choice: Choice,
+    pub steps: Vec<Step>,
+}
+
+/// One picture on the way.
+#[derive(serde::Serialize)]
+pub(super) struct Step {
+    pub options: String,
+    pub predicted_seconds: f64,
+    pub seconds: f64,
+    pub check: Check,
+}
+
+/// Chooses, renders and checks; steps up where the check fails. `job` and `scene` are then what was rendered last.
+pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: &Observer) -> Result<(Traced, Spent)> {
+    let say = |quiet: bool, line: &str| {
+        if !quiet {
+            output::log(line);
+        }
+    };
+    let given = Variant {
+        fresnel: job.options.fresnel,
+        refraction: job.options.refraction,
+        oliveira: job.options.oliveira,
+        reflection: job.options.reflection,
+        spheres: job.spheres,
+        ..Variant::of(&scene.settings, of_study(job.backend)?)
+    };
+    let threads = job.options.threads;
+    let choice = interrupt::heeded(|| budget::choose(scene, &given, &job.fixed, wish, threads, observer))?;
+    for line in reasons(&choice, wish) {
+        say(job.quiet, &line);
+    }
+    let whole = scene.clone();
+    let mut steps = Vec::new();
+    let last = choice.ladder.len() - 1;
+    for (i, candidate) in choice.ladder.iter().enumerate() {
+        apply(candidate, job, scene, &whole)?;
+        say(job.quiet, &format!("{:<10} {}", if i == 0 { "choice" } else { "step up" }, candidate.variant));
+        let traced = picture(job, scene, observer)?;
+        let bound = if let Wish::MaxError(e) = wish { e } else { VISIBLE };
+        let check = interrupt::heeded(|| check::check(&whole, &traced.outcome.film, &given, bound, observer))?;
+        let seconds = traced.render_time.as_secs_f64();
+        let kept = match wish {
+            Wish::MaxError(_) => check.wrong.is_empty(),
+            Wish::Time(t) => seconds <= t.as_secs_f64(),
+        };
+        for line in told(&check, wish, seconds, candidate) {
+            say(job.quiet, &line);
+        }
+        let options = candidate.variant.to_string();
+        steps.push(Step { options: options.clone(), predicted_seconds: candidate.seconds, seconds, check });
+        if kept || i == last {
+            if !kept {
+                output::log("warning: the budget was not kept; this is the closest that was found");
+            }
+            return Ok((traced, Spent { kept, options, choice, steps }));
+        }
+    }
+    Err(Error::Usage(String::from("nothing to choose from")))
+}
+
+fn of_study(backend: Backend) -> Result<study::Backend> {
+    match backend {
+        Backend::Native => Ok(study::Backend::Native),
+        #[cfg(feature = "embree")]
+        Backend::Embree(mode) => Ok(match mode {
+            crate::accel::embree::Mode::Fast => study::Backend::EmbreeFast,
+            crate::accel::embree::Mode::Robust => study::Backend::EmbreeRobust,
+        })
+        .and_then(|backend| study::engine::available(backend).map(|()| backend)),
+        Backend::Reference => Err(Error::Usage(String::from("--backend reference is exact already"))),
+    }
+}
+
+/// Makes `job` and `scene` what a candidate says.
+fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Scene) -> Result<()> {
+    let variant = &candidate.variant;
+    *scene = with_spheres(whole, variant.spheres);
+    scene.settings = variant.settings(&whole.settings);
+    job.options = render::Options { tile: job.options.tile, ..variant.options(job.options.threads) };
+    job.spheres = variant.spheres;
+    job.backend = match (variant.precision, variant.backend) {
+        (Precision::Double, _) => Backend::Reference,
+        (_, study::Backend::Native) => Backend::Native,
+        #[cfg(feature = "embree")]
+        (_, study::Backend::EmbreeFast) => Backend::Embree(crate::accel::embree::Mode::Fast),
+        #[cfg(feature = "embree")]
+        (_, study::Backend::EmbreeRobust) => Backend::Embree(crate::accel::embree::Mode::Robust),
+        #[cfg(not(feature = "embree"))]
+        _ => return Err(Error::Limit(String::from("this program was built without Embree"))),
+    };
+    Ok(())
+}
+
+/// Why the first of the ladder is the first.
+fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
+    let [width, height] = choice.size;
+    let mut lines = vec![format!(
+        "{:<10} {width} x {height} pixels in {:.1} s: {} of {} combinations made",
+        "study", choice.study_seconds, choice.tried, choice.thought_of
+    )];
+    let first = &choice.ladder[0];
+    let predicted = format!("{:.3} s, off by at most {:.1e}, RMSE {:.1e}", first.seconds, first.max, first.rmse);
+    lines.push(match (wish, choice.kept) {
+        (Wish::MaxError(e), true) => format!("{:<10} {predicted}: the least time within half of {e:.1e}", "predicted"),
+        (Wish::MaxError(e), false) => {
+            format!("{:<10} {predicted}: nothing keeps half of {e:.1e} there, this comes closest", "predicted")
+        }
+        (Wish::Time(t), true) => {
+            format!("{:<10} {predicted}: the least error within four fifths of {:.3} s", "predicted", t.as_secs_f64())
+        }
+        (Wish::Time(t), false) => {
+            format!("{:<10} {predicted}: nothing fits {:.3} s, this is the fastest", "predicted", t.as_secs_f64())
+        }
+    });
+    for axis in Axis::ALL {
+        let taken = first.variant.level(axis).to_string();
+        let levels: Vec<_> = choice.alone.iter().filter(|a| a.axis == axis.name()).collect();
+        if levels.is_empty() {
+            continue;
+        }
+        let of = |a: &&budget::Alone| format!("{} off by {:.1e} at {:.2} of the time", a.level, a.max, a.ratio);
+        let alone: Vec<String> = levels.iter().map(of).collect();
+        lines.push(format!("{:<10} {} {taken}; by themselves: {}", "because", axis.name(), alone.join(", ")));
+    }
+    lines
+}
+
+/// What the check found.
+fn told(check: &Check, wish: Wish, seconds: f64, candidate: &Candidate) -> Vec<String> {
+    let verdict = match wish {
+        Wish::MaxError(_) if check.wrong.is_empty() => "kept",
+        Wish::MaxError(_) => "NOT kept",
+        Wish::Time(t) if seconds <= t.as_secs_f64() => "in time",
+        Wish::Time(_) => "NOT in time",
+    };
+    let mut lines = vec![format!(
+        "{:<10} {verdict}: {seconds:.3} s ({:.3} predicted); {} pixels against f64: off by at most {:.1e}, {} beyond {:.1e}",
+        "check",
+        candidate.seconds,
+        check.asked,
+        check.worst,
+        check.wrong.len(),
+        check.bound
+    )];
+    if !check.ill.is_empty() {
+        let shown: Vec<String> = check
+            .ill
+            .iter()
+            .take(LISTED)
+            .map(|p| {
+                format!("({}, {}) off by {:.1e}, moves at {} ulps", p.x, p.y, p.off, p.moves_at_ulps.unwrap_or(0.0))
+            })
+            .collect();
+        let more = check.ill.len().saturating_sub(LISTED);
+        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+        lines.push(format!(
+            "{:<10} {} at edges or ill-conditioned: {}{more}",
+            "apart",
+            check.ill.len(),
+            shown.join("; ")
+        ));
+    }
+    for p in check.wrong.iter().take(LISTED) {
+        lines.push(format!("{:<10} ({}, {}) off by {:.1e}, not ill-conditioned", "wrong", p.x, p.y, p.off));
+    }
+    lines
+}

@@ -1,0 +1,72 @@
+//! `vitrum pixel`, checked.
+
+use std::path::PathBuf;
+
+use super::{Backend, Overrides, oliveira, refuse_input};
+use crate::cli::args::PixelArgs;
+use crate::image::Destination;
+use crate::render;
+use crate::{Error, Result};
+
+/// A pixel to be looked into.
+#[derive(Debug)]
+pub(in crate::cli) struct Pixel {
+    pub scene: PathBuf,
+    pub x: u32,
+    pub y: u32,
+    /// From 1; none for all.
+    pub sample: Option<u32>,
+    /// What is less is folded away.
+    pub least: f64,
+    pub svg: Option<Destination>,
+    pub json: bool,
+    pub overrides: Overrides,
+    pub backend: Backend,
+    pub options: render::Options,
+}
+
+impl TryFrom<PixelArgs> for Pixel {
+    type Error = Error;
+
+    fn try_from(args: PixelArgs) -> Result<Self> {
+        let backend = Backend::choose(args.backend)?;
+        if backend == Backend::Reference {
+            return Err(Error::Usage(String::from(
+                "--backend reference: its f64 is always shown; name what is to be shown beside it, such as native",
+            )));
+        }
+        let svg = match args.svg {
+            None => None,
+            Some(name) => {
+                refuse_input("--svg", &name, [args.scene.as_path()])?;
+                Some(Destination::new(&name)?)
+            }
+        };
+        Ok(Self {
+            scene: args.scene,
+            x: args.x,
+            y: args.y,
+            sample: args.sample,
+            least: args.least,
+            svg,
+            json: args.json,
+            overrides: Overrides {
+                width: args.width,
+                height: args.height,
+                samples: args.samples,
+                depth: args.depth,
+                cutoff: args.cutoff,
+                wavelengths: args.wavelengths,
+                shadows: args.shadows.map(Into::into),
+            },
+            backend,
+            options: render::Options {
+                fresnel: args.fresnel.into(),
+                refraction: args.refraction.into(),
+                oliveira: oliveira(args.refraction, args.oliveira)?,
+                threads: 1,
+                ..render::Options::default()
+            },
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! `vitrum price`, validated.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::super::args::{BackendArg, PriceArgs};
+use crate::study::{Axis, Backend, engine};
+use crate::{Error, Result};
+
+/// A study of one scene.
+#[derive(Debug)]
+pub(in crate::cli) struct Price {
+    pub scene: PathBuf,
+    pub folder: PathBuf,
+    pub limit: Duration,
+    pub axes: Vec<Axis>,
+    pub size: Option<[u32; 2]>,
+    pub samples: u32,
+    /// The default variant's.
+    pub backend: Backend,
+    pub runs: usize,
+    /// 0 is one a processor.
+    pub threads: usize,
+    pub combine: bool,
+    pub fresh: bool,
+    pub pictures: bool,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+impl TryFrom<PriceArgs> for Price {
+    type Error = Error;
+
+    fn try_from(args: PriceArgs) -> Result<Self> {
+        let (Some(scene), Some(folder)) = (args.scene, args.output) else {
+            return Err(Error::Usage(String::from("price: name a scene and -o a folder, or ask for --formulas")));
+        };
+        let backend = match args.backend {
+            Some(BackendArg::Reference) => {
+                return Err(Error::Usage(String::from(
+                    "--backend reference: f64 is what all is held against; take native, embree or embree-fast as the default",
+                )));
+            }
+            Some(BackendArg::Native) => Backend::Native,
+            Some(BackendArg::Embree) => Backend::EmbreeRobust,
+            Some(BackendArg::EmbreeFast) => Backend::EmbreeFast,
+            None if engine::available(Backend::EmbreeRobust).is_ok() => Backend::EmbreeRobust,
+            None => Backend::Native,
+        };
+        engine::available(backend)?;
+        if folder.exists() && !folder.is_dir() {
+            return Err(Error::Usage(format!("-o {}: is a file; name a folder", folder.display())));
+        }
+        let axes = if args.axes.is_empty() {
+            Axis::ALL.to_vec()
+        } else {
+            args.axes.iter().filter_map(|name| Axis::named(name)).collect()
+        };
+        Ok(Self {
+            scene,
+            folder,
+            limit: args.limit,
+            axes,
+            size: args.size,
+            samples: args.samples,
+            backend,
+            runs: args.runs as usize,
+            threads: args.threads.unwrap_or(0) as usize,
+            combine: !args.single,
+            fresh: args.fresh,
+            pictures: args.pictures,
+            json: args.json,
+            quiet: args.quiet,
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! `vitrum pixel`: two renderers' trees of rays, aligned and told.
+
+mod align;
+mod condition;
+mod json;
+mod quantity;
+mod svg;
+mod text;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::backend;
+#[cfg(feature = "embree")]
+use super::backend::Backend;
+use super::options::{Pixel, refuse_input};
+use super::{Verdict, interrupt, output};
+use crate::accel::{Intersector, Unbounded, native::Native};
+use crate::load::{self, LoadOptions, Loaded};
+use crate::render::record::Tree;
+use crate::render::reference::Prepared;
+use crate::render::{self, Observer};
+use crate::scene::Scene;
+use crate::{Error, Result};
+use align::Row;
+use condition::Condition;
+
+/// A pixel by one renderer.
+struct Side {
+    radiance: [f64; 3],
+    truncated: [f64; 3],
+    tree: Tree,
+}
+
+/// Everything there is to tell.
+struct Findings<'a> {
+    job: &'a Pixel,
+    scene: &'a Scene,
+    narrow: Side,
+    wide: Side,
+    rows: Vec<Row>,
+    /// One for each ray of the pixel that is shown.
+    conditions: Vec<Condition>,
+}
+
+/// Traces the pixel twice, and tells.
+pub(super) fn run(job: &Pixel) -> Result<Verdict> {
+    let observer = Arc::new(Observer::default());
+    interrupt::listen(&observer)?;
+    let Loaded { mut scene, .. } = load::scene(&job.scene, &LoadOptions::default())?;
+    job.overrides.apply(&mut scene.settings)?;
+    check(job, &scene)?;
+    if let Some(svg) = &job.svg {
+        refuse_input("--svg", svg.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
+    }
+    backend::start_threads(&job.options)?;
+
+    let narrow = interrupt::heeded(|| narrow(job, &scene, &observer))?;
+    let prepared = Prepared::with(&scene, &job.options);
+    let (tally, tree) = prepared.recorded(job.x, job.y);
+    let wide = Side { radiance: tally.radiance.to_array(), truncated: tally.truncated.to_array(), tree };
+    for (side, name) in [(&narrow, "f32"), (&wide, "f64")] {
+        if side.tree.left_out > 0 {
+            return Err(Error::Limit(format!(
+                "more than {} rays follow from this pixel in {name}; take a smaller --depth or a larger --cutoff",
+                side.tree.events.len()
+            )));
+        }
+    }
+    let rows = align::rows(&narrow.tree, &wide.tree, job.sample);
+    let conditions = condition::of(&prepared, &scene, job, &wide.tree);
+    let findings = Findings { job, scene: &scene, narrow, wide, rows, conditions };
+    if let Some(svg) = &job.svg {
+        svg.write(svg::draw(&findings).as_bytes(), || true)?;
+    }
+    if job.json {
+        output::print_json(&json::report(&findings))?;
+    } else {
+        output::print(&text::report(&findings))?;
+    }
+    Ok(Verdict::Done)
+}
+
+/// # Errors
+/// Usage, where there is no such pixel or sample.
+fn check(job: &Pixel, scene: &Scene) -> Result<()> {
+    let settings = &scene.settings;
+    for (value, name, end) in [(job.x, "X", settings.width), (job.y, "Y", settings.height)] {
+        if value >= end {
+            return Err(Error::Usage(format!(
+                "{name} {value}: the picture has {} by {} pixels, so that {name} is 0 to {}",
+                settings.width,
+                settings.height,
+                end - 1
+            )));
+        }
+    }
+    let samples = settings.samples * settings.samples;
+    match job.sample {
+        Some(k) if k > samples => {
+            Err(Error::Usage(format!("--sample {k}: a pixel has {samples} here; --samples N makes them N by N")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The pixel by the renderer that makes pictures.
+fn narrow(job: &Pixel, scene: &Scene, observer: &Observer) -> Result<Side> {
+    match job.backend {
+        #[cfg(feature = "embree")]
+        Backend::Embree(mode) => {
+            use crate::accel::embree::{self, Embree};
+            let options = embree::Options { mode, threads: 1, ..embree::Options::default() };
+            recorded(Embree::build(&scene.geometry, &options)?, job, scene, observer)
+        }
+        _ => recorded(Native::build(&scene.geometry), job, scene, observer),
+    }
+}
+
+fn recorded<I: Intersector>(bounded: I, job: &Pixel, scene: &Scene, observer: &Observer) -> Result<Side> {
+    let accel = Unbounded::new(bounded, &scene.geometry);
+    let (radiance, truncated, tree) = render::recorded(scene, &accel, &job.options, observer, (job.x, job.y))?;
+    Ok(Side { radiance: radiance.map(f64::from), truncated: truncated.map(f64::from), tree })
+}

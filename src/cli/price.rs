@@ -1,0 +1,119 @@
+//! `vitrum price`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::options::Price;
+use super::{Verdict, backend, interrupt, output, progress};
+use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
+use crate::load::{self, LoadOptions};
+use crate::render::{self, Observer};
+use crate::study::html::{self, Pair, References};
+use crate::study::variant::quoted;
+use crate::study::{self, Report, Subject, Variant, Watch};
+use crate::trial::{Machine, machine};
+use crate::{Error, Result};
+
+/// Loads, studies, writes and reports.
+pub(super) fn run(job: Price) -> Result<Verdict> {
+    let observer = Arc::new(Observer::default());
+    interrupt::listen(&observer)?;
+    let mut scene = load::scene(&job.scene, &LoadOptions::default())?.scene;
+    scene.settings.samples = job.samples;
+    backend::start_threads(&render::Options { threads: job.threads, ..render::Options::default() })?;
+    let subject = Subject {
+        scene: &scene,
+        path: &job.scene,
+        default: Variant::of(&scene.settings, job.backend),
+        size: job.size,
+        threads: job.threads,
+        axes: job.axes.clone(),
+        limit: job.limit,
+        runs: job.runs,
+        combine: job.combine,
+        command: command(),
+        machine: Machine::this(machine::embree().ok()),
+    };
+    let report = progress::session(job.limit, !job.quiet, |say| {
+        interrupt::heeded(|| {
+            let report = study::run::run(&subject, &job.folder, job.fresh, &Watch { observer: &observer, say });
+            interrupt::wait_for_the_end();
+            report
+        })
+    })?;
+    write(&job, &report)?;
+    if job.json {
+        output::print_json(&report)?;
+    } else if !job.quiet {
+        output::print(&study::text::report(&report))?;
+        output::log(&format!("\n{}", job.folder.join("report.html").display()));
+    }
+    if observer.stop.load(std::sync::atomic::Ordering::SeqCst) {
+        output::log("what was done is kept; the same command goes on");
+        return Err(Error::Interrupted);
+    }
+    Ok(Verdict::Done)
+}
+
+/// This program's own command line, for a shell.
+fn command() -> String {
+    let arguments = std::env::args_os().skip(1).map(|a| quoted(&a.to_string_lossy()));
+    std::iter::once(String::from("vitrum")).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// The report in its forms, and the pictures where they are asked for.
+fn write(job: &Price, report: &Report) -> Result<()> {
+    let into = |name: &str, bytes: &[u8]| Destination::new(&job.folder.join(name))?.write(bytes, || true);
+    let json = serde_json::to_string_pretty(report)
+        .map_err(|e| Error::io(job.folder.join("report.json"), "write", std::io::Error::other(e)))?;
+    into("report.json", (json + "\n").as_bytes())?;
+    into("report.csv", study::csv::table(report).as_bytes())?;
+    into("report.html", page(&job.folder, report)?.as_bytes())?;
+    if job.pictures {
+        pictures(&job.folder, report)?;
+    }
+    Ok(())
+}
+
+/// The page, with the pictures that the study keeps.
+fn page(folder: &Path, report: &Report) -> Result<String> {
+    let film = |name: &String| kept(folder, name).ok();
+    let references = References {
+        own: report.own.as_ref().and_then(|made| film(&made.film)),
+        fine: report.fine.as_ref().and_then(|made| film(&made.film)),
+    };
+    let pairs: Vec<Option<Pair>> = report
+        .rows
+        .iter()
+        .map(|row| {
+            let beside = if row.own.is_some() { &references.own } else { &references.fine };
+            Some(Pair { film: film(&row.film)?, reference: beside.clone() })
+        })
+        .collect();
+    html::page(report, &pairs, &references)
+}
+
+fn kept(folder: &Path, name: &str) -> Result<Film> {
+    Ok(image::read(&folder.join("study").join(name), &ReadOptions::default())?.film)
+}
+
+/// A PNG and an EXR of each variant.
+fn pictures(folder: &Path, report: &Report) -> Result<()> {
+    let to = folder.join("pictures");
+    std::fs::create_dir_all(&to).map_err(|e| Error::io(&to, "create", e))?;
+    let references = [("reference", &report.own), ("reference 16x16", &report.fine)];
+    let references =
+        references.into_iter().filter_map(|(name, made)| made.as_ref().map(|m| (name, &m.film, &m.variant)));
+    for (name, film, variant) in report.rows.iter().map(|r| (r.name.as_str(), &r.film, &r.levels)).chain(references) {
+        let film = kept(folder, film)?;
+        let name: String =
+            name.replace(", ", "_").chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '-' }).collect();
+        let metadata = vec![(String::from("vitrum:options"), variant.to_string())];
+        for (extension, format) in [("png", Format::Png), ("exr", Format::Exr)] {
+            let encoding = Encoding { format, bits: Bits::Eight, metadata: metadata.clone() };
+            let file = Destination::new(&to.join(format!("{name}.{extension}")))?;
+            file.write(&image::encode(&film, &encoding)?.bytes, || true)?;
+        }
+    }
+    Ok(())
+}

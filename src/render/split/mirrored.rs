@@ -1,0 +1,56 @@
+//! What becomes of light that a surface reflects: traced, looked up, or left out.
+
+use super::super::options::Reflection;
+use super::super::outcome::RayKind;
+use super::super::queue::{Rgb8, Spawn8};
+use super::super::shading::Shading;
+use super::super::sky::{Constant, Gradient, LatLong, Sky};
+use super::super::surface::Surface8;
+use crate::geometry::GeometryMask;
+use crate::scene::{Environment, Scene};
+use crate::simd::{F32x8, Vec3x8};
+
+/// Sees to the light of the given weight that leaves eight surfaces into a direction of about unit length, met by rays
+/// of the depth given.
+pub type ReflectStage = fn(&mut Shading, &Surface8, u8, Vec3x8, Rgb8, usize);
+
+/// The stage of one render.
+#[must_use]
+pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
+    match (reflection, &scene.environment) {
+        (Reflection::Traced, _) => traced,
+        (Reflection::Environment, Environment::Constant(_)) => looked_up::<Constant>,
+        (Reflection::Environment, Environment::Gradient { .. }) => looked_up::<Gradient>,
+        (Reflection::Environment, Environment::LatLong { .. }) => looked_up::<LatLong>,
+        (Reflection::None, _) => none,
+    }
+}
+
+/// By a ray.
+fn traced(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
+    let dir = dir.normalized();
+    let new = Spawn8 {
+        origin: surface.above(),
+        dir,
+        t_max: F32x8::INFINITY,
+        admits: GeometryMask::ALL,
+        weight,
+        pixel: &surface.pixel,
+        stack: &surface.stack,
+        lead: surface.lead(dir),
+        passes: &[0; 8],
+    };
+    shading.spawn(lanes, &new, RayKind::Reflected, depth);
+}
+
+/// In the environment, whatever stands between.
+fn looked_up<S: Sky>(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, _: usize) {
+    let scene = shading.scene;
+    let seen = S::radiance(&scene.environment, &scene.textures, &dir.normalized());
+    shading.accumulator.add_radiance8(lanes, &surface.pixel, &seen.times(weight));
+}
+
+/// Not at all: its weight is that of a ray that ended.
+fn none(shading: &mut Shading, surface: &Surface8, lanes: u8, _: Vec3x8, weight: Rgb8, _: usize) {
+    shading.accumulator.add_truncated8(lanes, &surface.pixel, &weight);
+}

@@ -1,0 +1,315 @@
+//! The budget turned round: which choices keep a given error at the least time, or a given time at the least error.
+//!
+//! A small picture of the scene is made by every level of every choice that is free, the others exact. Errors of levels
+//! are then added and times multiplied to predict combinations; the most promising of these are made and measured, and
+//! the best one that keeps the wish is taken. Afterwards ([`check`]) a sample of the picture's own pixels is held against
+//! `f64`, and where that fails the next more exact combination is taken.
+
+pub mod check;
+mod quick;
+
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::axis::{Axis, Level, Precision};
+use super::plan;
+use super::reference;
+use super::variant::Variant;
+use crate::Result;
+use crate::render::Observer;
+use crate::scene::Scene;
+use quick::Quick;
+
+/// Part of the wished error that the small picture may use up: it has fewer pixels to be wrong in.
+const MARGIN: f64 = 0.5;
+
+/// Part of the wished time that the prediction may use up.
+const OF_THE_TIME: f64 = 0.8;
+
+/// Combinations that are made, at most.
+const TRIED: usize = 24;
+
+/// Times that are this close count as equal, so that noise decides nothing: the more exact wins.
+const CLOSE: f64 = 0.07;
+
+/// What is wished for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wish {
+    /// No channel of a pixel off by more, in units of radiance.
+    MaxError(f64),
+    /// Rendering within this time.
+    Time(Duration),
+}
+
+/// Choices that were made and measured on the small picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// The choices.
+    pub variant: Variant,
+    /// Seconds that the whole picture is predicted to take.
+    pub seconds: f64,
+    /// Largest difference of a channel from `f64` in the small picture, ill-conditioned pixels apart.
+    pub max: f64,
+    /// Root of the mean squared difference.
+    pub rmse: f64,
+}
+
+/// What one level does by itself, the others exact.
+#[derive(Clone, Debug, Serialize)]
+pub struct Alone {
+    /// Its axis.
+    pub axis: &'static str,
+    /// Its name.
+    pub level: String,
+    /// Its time over that of the exact level.
+    pub ratio: f64,
+    /// Largest difference of a channel.
+    pub max: f64,
+    #[serde(skip)]
+    what: Level,
+    #[serde(skip)]
+    rmse: f64,
+}
+
+/// What was chosen, and why.
+#[derive(Clone, Debug, Serialize)]
+pub struct Choice {
+    /// Columns and rows of the small picture.
+    pub size: [u32; 2],
+    /// Seconds that the study took.
+    pub study_seconds: f64,
+    /// What each level does by itself.
+    pub alone: Vec<Alone>,
+    /// Combinations that were thought of.
+    pub thought_of: usize,
+    /// Those that were made and measured.
+    pub tried: usize,
+    /// The one to take and, where it fails, those to take then, each more exact than the one before.
+    pub ladder: Vec<Candidate>,
+    /// Whether the first of them is predicted to keep the wish.
+    pub kept: bool,
+}
+
+/// A combination as predicted.
+#[derive(Clone, Copy)]
+struct Predicted {
+    variant: Variant,
+    seconds: f64,
+    max: f64,
+    squares: f64,
+}
+
+/// Finds what keeps the wish for a picture of `scene` by `threads` threads. `default` holds where an axis is in `fixed`.
+///
+/// # Errors
+/// `Interrupted`; a limit, where the default back end is not there.
+pub fn choose(
+    scene: &Scene,
+    default: &Variant,
+    fixed: &[Axis],
+    wish: Wish,
+    threads: usize,
+    observer: &Observer,
+) -> Result<Choice> {
+    let start = std::time::Instant::now();
+    let tolerance = match wish {
+        Wish::MaxError(e) => e,
+        Wish::Time(_) => super::errors::VISIBLE,
+    };
+    let exact = reference::exact(default);
+    let quick = Quick::of(scene, &exact, threads, observer)?;
+    let mut quick = quick.judged(tolerance);
+    let free: Vec<Axis> = Axis::ALL
+        .into_iter()
+        .filter(|a| !fixed.contains(a) && !matches!(a, Axis::Sampling | Axis::Precision))
+        .collect();
+    // The most exact that f32 does, within what is fixed.
+    let mut base = Variant { precision: Precision::Single, ..exact };
+    for &axis in fixed {
+        base = base.with(default.level(axis));
+    }
+    let of_base = quick.measure(&base)?;
+    let mut alone: Vec<Alone> = Vec::new();
+    let (singles, _) = plan::singles(scene, &base, &free);
+    for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
+        let candidate = quick.measure(&variant)?;
+        let Some(what) = variant.apart_from(&base).first().copied() else { continue };
+        alone.push(Alone {
+            axis: what.axis().name(),
+            level: what.to_string(),
+            ratio: candidate.seconds / of_base.seconds,
+            max: candidate.max,
+            what,
+            rmse: candidate.rmse,
+        });
+    }
+    let predicted = combinations(&of_base, &alone);
+    let mut tried = vec![of_base.clone()];
+    for p in promising(&predicted, wish) {
+        if p.variant == base {
+            continue;
+        }
+        tried.push(quick.measure(&p.variant)?);
+        // The most promising come first.
+        if tried.len() > TRIED || (tried.len() > TRIED / 3 && tried.iter().any(|c| keeps(c, wish))) {
+            break;
+        }
+    }
+    let double = Candidate {
+        seconds: of_base.seconds * quick.double_ratio(),
+        max: 0.0,
+        rmse: 0.0,
+        variant: { Variant { precision: Precision::Double, ..base } },
+    };
+    let (ladder, kept) = ladder(&tried, double, wish);
+    Ok(Choice {
+        size: quick.size(),
+        study_seconds: start.elapsed().as_secs_f64(),
+        alone,
+        thought_of: predicted.len(),
+        tried: tried.len(),
+        ladder,
+        kept,
+    })
+}
+
+fn keeps(c: &Candidate, wish: Wish) -> bool {
+    match wish {
+        Wish::MaxError(e) => c.max <= MARGIN * e,
+        Wish::Time(t) => c.seconds <= OF_THE_TIME * t.as_secs_f64(),
+    }
+}
+
+/// The product of all levels: times multiply, errors add at most.
+fn combinations(base: &Candidate, alone: &[Alone]) -> Vec<Predicted> {
+    let first =
+        Predicted { variant: base.variant, seconds: base.seconds, max: base.max, squares: base.rmse * base.rmse };
+    let mut all = vec![first];
+    for axis in Axis::ALL {
+        let levels: Vec<&Alone> = alone.iter().filter(|a| a.what.axis() == axis).collect();
+        let wider = all.iter().flat_map(|p| {
+            let with = levels.iter().map(|a| Predicted {
+                variant: p.variant.with(a.what),
+                // Within the noise, no gain is believed in.
+                seconds: p.seconds * if (a.ratio - 1.0).abs() < CLOSE { 1.0 } else { a.ratio },
+                max: p.max + (a.max - base.max).max(0.0),
+                squares: p.squares + (a.rmse * a.rmse - base.rmse * base.rmse).max(0.0),
+            });
+            std::iter::once(*p).chain(with)
+        });
+        all = wider.collect();
+    }
+    all
+}
+
+/// Those worth making, the best first.
+fn promising(all: &[Predicted], wish: Wish) -> Vec<Predicted> {
+    let mut sorted: Vec<Predicted> = all.to_vec();
+    match wish {
+        Wish::MaxError(e) => {
+            // Adding errors is a bound; what is a little beyond may hold all the same.
+            sorted.retain(|p| p.max <= 2.0 * MARGIN * e);
+            sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds).then(a.max.total_cmp(&b.max)));
+        }
+        Wish::Time(t) => {
+            let limit = OF_THE_TIME * t.as_secs_f64();
+            if sorted.iter().any(|p| p.seconds <= limit) {
+                sorted.retain(|p| p.seconds <= 1.15 * limit);
+                sorted.sort_by(|a, b| a.squares.total_cmp(&b.squares).then(a.seconds.total_cmp(&b.seconds)));
+            } else {
+                sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+            }
+        }
+    }
+    // Variants that only differ where nothing is gained or lost say the same.
+    sorted.dedup_by(|a, b| a.seconds == b.seconds && a.max == b.max && a.squares == b.squares);
+    sorted
+}
+
+/// The best that keeps the wish, then ever more exact ones, and `f64` last. And whether the first one keeps it.
+fn ladder(tried: &[Candidate], double: Candidate, wish: Wish) -> (Vec<Candidate>, bool) {
+    let keeping = tried.iter().filter(|c| keeps(c, wish));
+    let best = match wish {
+        Wish::MaxError(_) => keeping.min_by(|a, b| a.seconds.total_cmp(&b.seconds)),
+        Wish::Time(_) => keeping.min_by(|a, b| a.rmse.total_cmp(&b.rmse)),
+    };
+    let kept = best.is_some();
+    let fallback = match wish {
+        Wish::MaxError(_) => tried.iter().min_by(|a, b| a.max.total_cmp(&b.max)),
+        Wish::Time(_) => tried.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds)),
+    };
+    let mut ladder: Vec<Candidate> = best.or(fallback).into_iter().cloned().collect();
+    if let Wish::MaxError(_) = wish {
+        let mut others: Vec<&Candidate> = tried.iter().collect();
+        others.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        for c in others {
+            if ladder.last().is_some_and(|last| c.seconds > last.seconds && c.max < 0.5 * last.max) {
+                ladder.push(c.clone());
+            }
+        }
+        // The base, whatever the small picture says, and f64.
+        if let Some(base) = tried.first().filter(|b| ladder.iter().all(|c| c.variant != b.variant)) {
+            ladder.push(base.clone());
+        }
+        ladder.push(double);
+    }
+    (ladder, kept)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axis::Backend;
+    use super::*;
+    use crate::optics::FresnelModel;
+    use crate::scene::Settings;
+
+    fn candidate(level: Option<Level>, seconds: f64, max: f64) -> Candidate {
+        let base = Variant::of(&Settings::default(), Backend::Native);
+        Candidate { variant: level.map_or(base, |l| base.with(l)), seconds, max, rmse: max * 0.1 }
+    }
+
+    #[test]
+    fn the_cheapest_that_keeps_the_error_is_taken_and_ever_more_exact_ones_follow() {
+        let tried = [
+            candidate(None, 4.0, 1e-5),
+            candidate(Some(Level::Depth(8)), 2.0, 1e-4),
+            candidate(Some(Level::Depth(4)), 1.0, 8e-4),
+            candidate(Some(Level::Depth(2)), 0.5, 0.1),
+        ];
+        let double = candidate(Some(Level::Precision(Precision::Double)), 40.0, 0.0);
+        let (ladder_, kept) = ladder(&tried, double.clone(), Wish::MaxError(1.0 / 512.0));
+        let depths: Vec<u32> = ladder_.iter().map(|c| c.variant.depth).collect();
+        assert_eq!((depths, kept), (vec![4, 8, 16, 16], true));
+        assert_eq!(ladder_[3].variant.precision, Precision::Double);
+        let (ladder_, kept) = ladder(&tried, double.clone(), Wish::MaxError(1e-7));
+        assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (16, 2, false));
+        let (ladder_, kept) = ladder(&tried, double, Wish::Time(Duration::from_secs(3)));
+        assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (8, 1, true));
+    }
+
+    #[test]
+    fn times_multiply_and_errors_add() {
+        let base = candidate(None, 4.0, 1e-5);
+        let alone = |what: Level, ratio, max: f64| Alone {
+            axis: what.axis().name(),
+            level: what.to_string(),
+            ratio,
+            max,
+            what,
+            rmse: max * 0.1,
+        };
+        let levels = [
+            alone(Level::Depth(4), 0.5, 1e-3),
+            alone(Level::Fresnel(FresnelModel::Schlick), 0.99, 1e-2),
+            alone(Level::Cutoff(0.25), 0.5, 1e-2),
+        ];
+        let all = combinations(&base, &levels);
+        assert_eq!(all.len(), 8);
+        let last = all.iter().find(|p| p.variant.apart_from(&base.variant).len() == 3).unwrap();
+        assert!((last.seconds - 1.0).abs() < 1e-12 && (last.max - (1e-5 + 0.00099 + 2.0 * 0.00999)).abs() < 1e-9);
+        // Schlick gains nothing that can be told from noise, so that it is never preferred.
+        let best = promising(&all, Wish::MaxError(1.0));
+        assert_eq!(best[0].variant.fresnel, FresnelModel::Exact);
+    }
+}

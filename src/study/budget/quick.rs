@@ -1,0 +1,139 @@
+//! Small pictures, quickly made and judged.
+
+use super::Candidate;
+use crate::Result;
+use crate::image::Film;
+use crate::render::Observer;
+use crate::render::reference::Prepared;
+use crate::scene::Scene;
+use crate::study::condition::Condition;
+use crate::study::engine::Engine;
+use crate::study::errors::off;
+use crate::study::size::fit;
+use crate::study::variant::Variant;
+
+/// Pixels of the picture that costs are estimated from, and the least and most of the small picture.
+const PIXELS: [f64; 3] = [300.0, 600.0, 4800.0];
+
+/// Seconds that its reference in `f64` may take.
+const REFERENCE: f64 = 1.5;
+
+/// Renders that a time is the least of.
+const RUNS: usize = 3;
+
+/// Pixels that are asked about their condition; where more are off, the picture is wrong whatever they say.
+const ASKED: usize = 96;
+
+/// A small picture's scene and reference.
+pub(super) struct Quick<'a> {
+    small: Scene,
+    judge: Scene,
+    reference: Film,
+    exact: Variant,
+    /// Rays of the whole picture for one of the small one.
+    scale: f64,
+    double_seconds: f64,
+    threads: usize,
+    observer: &'a Observer,
+}
+
+/// The same, ready to measure.
+pub(super) struct Judged<'q> {
+    quick: &'q Quick<'q>,
+    engine: Engine<'q>,
+    condition: Condition<'q>,
+    tolerance: f64,
+    base_seconds: Option<f64>,
+}
+
+impl<'a> Quick<'a> {
+    /// A picture of the scene as small as `exact` can be rendered in a second or two.
+    pub fn of(scene: &Scene, exact: &Variant, threads: usize, observer: &'a Observer) -> Result<Self> {
+        // One ray a pixel: the mean of several is off by no more than the worst of them.
+        let exact = Variant { samples: 1, ..*exact };
+        let sized = |pixels: f64| {
+            let mut small = scene.clone();
+            [small.settings.width, small.settings.height] = fit(&scene.settings, pixels);
+            small
+        };
+        let probe = sized(PIXELS[0]);
+        let shot = Engine::new(&probe, threads).shoot(&exact, observer)?;
+        let cost = shot.seconds / pixels(&probe);
+        let small = sized((REFERENCE / cost.max(1e-12)).clamp(PIXELS[1], PIXELS[2]));
+        let shot = Engine::new(&small, threads).shoot(&exact, observer)?;
+        let samples = f64::from(scene.settings.samples);
+        let judge = Scene { settings: exact.settings(&small.settings), ..small.clone() };
+        Ok(Self {
+            scale: pixels(scene) * samples * samples / pixels(&small),
+            reference: shot.outcome.film,
+            double_seconds: shot.seconds,
+            small,
+            judge,
+            exact,
+            threads,
+            observer,
+        })
+    }
+
+    /// Makes ready to measure; pixels that move by more than `tolerance` by themselves are set apart.
+    pub fn judged<'q>(&'q self, tolerance: f64) -> Judged<'q> {
+        let prepared = Prepared::new(&self.judge, self.exact.fresnel);
+        Judged {
+            engine: Engine::new(&self.small, self.threads),
+            condition: Condition::new(&self.judge, prepared, tolerance, self.observer),
+            quick: self,
+            tolerance,
+            base_seconds: None,
+        }
+    }
+}
+
+impl Judged<'_> {
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        [self.quick.small.settings.width, self.quick.small.settings.height]
+    }
+
+    /// Time of `f64` over that of what was measured first.
+    pub fn double_ratio(&self) -> f64 {
+        self.base_seconds.map_or(10.0, |base| self.quick.double_seconds / base)
+    }
+
+    /// Makes a variant's small picture, some times, and judges it.
+    pub fn measure(&mut self, variant: &Variant) -> Result<Candidate> {
+        let small = Variant { samples: 1, ..*variant };
+        let mut shot = self.engine.shoot(&small, self.quick.observer)?;
+        for _ in 1..RUNS {
+            let again = self.engine.shoot(&small, self.quick.observer)?;
+            shot.seconds = shot.seconds.min(again.seconds);
+        }
+        self.base_seconds.get_or_insert(shot.seconds);
+        let (max, rmse) = self.judge(&shot.outcome.film)?;
+        Ok(Candidate { variant: *variant, seconds: shot.seconds * self.quick.scale, max, rmse })
+    }
+
+    /// Largest difference and root of the mean squared one, ill-conditioned pixels apart.
+    fn judge(&mut self, film: &Film) -> Result<(f64, f64)> {
+        let pairs = || film.pixels.iter().zip(&self.quick.reference.pixels);
+        let mut beyond: Vec<(f64, usize)> =
+            pairs().map(|(&a, &b)| off(a, b)).zip(0..).filter(|(off, _)| *off > self.tolerance).collect();
+        beyond.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let width = film.width as usize;
+        let places: Vec<(u32, u32)> =
+            beyond.iter().take(ASKED).map(|&(_, i)| ((i % width) as u32, (i / width) as u32)).collect();
+        let moves = self.condition.moves(&places)?;
+        let ill: Vec<usize> = beyond.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((_, i), _)| *i).collect();
+        let well = pairs().enumerate().filter(|(i, _)| !ill.contains(i));
+        let (mut max, mut squares, mut n) = (0.0_f64, 0.0, 0_u32);
+        for (_, (a, b)) in well {
+            max = max.max(off(*a, *b));
+            squares += (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>();
+            n += 3;
+        }
+        Ok((max, (squares / f64::from(n.max(1))).sqrt()))
+    }
+}
+
+fn pixels(scene: &Scene) -> f64 {
+    f64::from(scene.settings.width) * f64::from(scene.settings.height)
+}

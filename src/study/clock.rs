@@ -1,0 +1,82 @@
+//! Times and what may be said of them.
+//!
+//! Variants take turns with the default one; what is compared is the ratio within a turn. The interval of the median is
+//! that of order statistics, which assumes nothing of how times scatter.
+
+use serde::{Deserialize, Serialize};
+
+/// Confidence that is aimed at.
+const WANTED: f64 = 0.95;
+
+/// A median and where the true one lies.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figure {
+    /// Median of the runs.
+    pub median: f64,
+    /// Interval that holds the true median with the confidence below.
+    pub interval: [f64; 2],
+    /// Confidence of the interval, 0..1; below 0.95 where there were fewer than six runs.
+    pub confidence: f64,
+    /// Runs.
+    pub runs: usize,
+}
+
+impl Figure {
+    /// Of the figures of all runs, at least one.
+    #[must_use]
+    pub fn of(runs: &[f64]) -> Self {
+        let mut sorted = runs.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let n = sorted.len();
+        let median = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
+        // The narrowest pair of order statistics that is still sure enough; the outermost where none is.
+        let k = (0..n.div_ceil(2)).rev().find(|&k| confidence(n, k) >= WANTED).unwrap_or(0);
+        Self { median, interval: [sorted[k], sorted[n - 1 - k]], confidence: confidence(n, k), runs: n }
+    }
+
+    /// Whether the figure may be `x` for all that was measured. A single run tells nothing.
+    #[must_use]
+    pub fn may_be(&self, x: f64) -> bool {
+        self.runs < 3 || (self.interval[0] <= x && x <= self.interval[1])
+    }
+}
+
+/// Chance that the true median lies between the `k`-th smallest and the `k`-th largest of `n` runs, `k` from 0.
+fn confidence(n: usize, k: usize) -> f64 {
+    // That of 2^n equally likely patterns of above and below, with more than k on either side.
+    let mut choose = 1.0;
+    let mut outside = 0.0;
+    for i in 0..=k {
+        outside += choose;
+        choose *= (n - i) as f64 / (i + 1) as f64;
+    }
+    (1.0 - 2.0 * outside / 2.0_f64.powi(n as i32)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_of_a_median_by_hand() {
+        // Six runs: all above or all below has a chance of 2 / 64.
+        let six = Figure::of(&[6.0, 1.0, 5.0, 2.0, 4.0, 3.0]);
+        assert_eq!((six.median, six.interval), (3.5, [1.0, 6.0]));
+        assert!((six.confidence - (1.0 - 2.0 / 64.0)).abs() < 1e-15);
+        // Nine: all but one on a side, 2 (1 + 9) / 512.
+        let nine = Figure::of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        assert_eq!(nine.interval, [2.0, 8.0]);
+        assert!((nine.confidence - (1.0 - 20.0 / 512.0)).abs() < 1e-15);
+        // Three are not enough for 95 %, and it says so.
+        let three = Figure::of(&[3.0, 1.0, 2.0]);
+        assert_eq!((three.interval, three.confidence), ([1.0, 3.0], 0.75));
+        assert_eq!(Figure::of(&[2.0]).confidence, 0.0);
+    }
+
+    #[test]
+    fn what_overlaps_one_may_be_one() {
+        assert!(Figure::of(&[0.9, 1.1, 1.2, 0.95]).may_be(1.0));
+        assert!(!Figure::of(&[1.01, 1.1, 1.2, 1.05]).may_be(1.0));
+        assert!(Figure::of(&[5.0]).may_be(1.0), "one run tells nothing");
+    }
+}

@@ -1,0 +1,125 @@
+//! Whether a pixel belongs to its camera rays at all, or moves with their last digits.
+
+use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_4;
+use std::sync::atomic::Ordering;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::render::Observer;
+use crate::render::reference::Prepared;
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+/// The few ulps of `f32` that a renderer in it may be off by at each surface.
+pub const ULPS: f64 = 8.0;
+
+/// The exact picture in `f64`, asked about single pixels; answers are kept.
+#[derive(Debug)]
+pub struct Condition<'a> {
+    prepared: Prepared<'a>,
+    scene: &'a Scene,
+    tolerance: f64,
+    observer: &'a Observer,
+    known: HashMap<(u32, u32), bool>,
+}
+
+impl<'a> Condition<'a> {
+    /// Of a scene whose settings are the reference's; a pixel moves when a channel does by more than `tolerance`, in
+    /// units of radiance.
+    #[must_use]
+    pub fn new(scene: &'a Scene, prepared: Prepared<'a>, tolerance: f64, observer: &'a Observer) -> Self {
+        Self { prepared, scene, tolerance, observer, known: HashMap::new() }
+    }
+
+    /// For each pixel, whether its `f64` value moves by more than the tolerance when its camera rays move together by
+    /// [`ULPS`] ulps of `f32`, or by as many for each level of their paths: to eight sides, directions by ulps of 1 or
+    /// origins by ulps of the eye's largest coordinate.
+    ///
+    /// # Errors
+    /// `Interrupted`.
+    pub fn moves(&mut self, pixels: &[(u32, u32)]) -> Result<Vec<bool>> {
+        let fresh: Vec<(u32, u32)> = pixels.iter().copied().filter(|p| !self.known.contains_key(p)).collect();
+        let this = &*self;
+        let found: Vec<bool> = fresh.par_iter().map(|&(x, y)| this.moved(x, y)).collect::<Result<_>>()?;
+        self.known.extend(fresh.into_iter().zip(found));
+        Ok(pixels.iter().map(|p| self.known[p]).collect())
+    }
+
+    /// By how few ulps its camera rays have to move for a pixel to move: the first of 1, 2, 4, ... up to [`ULPS`] for
+    /// each level of their paths; none where it does not.
+    #[must_use]
+    pub fn moves_at(&self, x: u32, y: u32) -> Option<f64> {
+        let pixel = Pixel::of(self, x, y);
+        let most = ULPS * pixel.levels();
+        let steps = std::iter::successors(Some(1.0), |ulps| Some(ulps * 2.0)).take_while(|&ulps| ulps < most);
+        steps.chain([most]).find(|&ulps| pixel.moves(ulps))
+    }
+
+    /// The `f64` value of a pixel.
+    #[must_use]
+    pub fn value(&self, x: u32, y: u32) -> [f64; 3] {
+        Pixel::of(self, x, y).here
+    }
+
+    fn moved(&self, x: u32, y: u32) -> Result<bool> {
+        if self.observer.stop.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        let pixel = Pixel::of(self, x, y);
+        Ok(pixel.moves(ULPS) || pixel.moves(ULPS * pixel.levels()))
+    }
+}
+
+/// One pixel's camera rays.
+struct Pixel<'a> {
+    condition: &'a Condition<'a>,
+    /// Start and unit direction of each.
+    rays: Vec<(DVec3, DVec3)>,
+    here: [f64; 3],
+}
+
+impl<'a> Pixel<'a> {
+    fn of(condition: &'a Condition<'a>, x: u32, y: u32) -> Self {
+        let n = condition.scene.settings.samples.max(1);
+        let within = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
+        let ray = |k| condition.prepared.camera_ray(f64::from(x) + within(k % n), f64::from(y) + within(k / n));
+        let mut pixel = Self { condition, rays: (0..n * n).map(ray).collect(), here: [0.0; 3] };
+        pixel.here = pixel.mean(|_| [DVec3::ZERO; 2]);
+        pixel
+    }
+
+    /// Its value with the origin and the direction of each ray moved by what `step` says for the direction.
+    fn mean(&self, step: impl Fn(DVec3) -> [DVec3; 2]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for &(origin, dir) in &self.rays {
+            let [aside, turned] = step(dir);
+            let seen = self.condition.prepared.radiance_along(origin + aside, (dir + turned).normalize());
+            for (s, v) in sum.iter_mut().zip(seen) {
+                *s += v / self.rays.len() as f64;
+            }
+        }
+        sum
+    }
+
+    fn moves(&self, ulps: f64) -> bool {
+        let reach = self.condition.scene.camera.eye.as_dvec3().abs().max_element();
+        (0..16).any(|k| {
+            let (sin, cos) = (f64::from(k / 2) * FRAC_PI_4).sin_cos();
+            let there = self.mean(|dir| {
+                let (right, up) = dir.any_orthonormal_pair();
+                let step = (right * cos + up * sin) * (ulps * f64::from(f32::EPSILON));
+                if k % 2 == 0 { [DVec3::ZERO, step] } else { [step * reach, DVec3::ZERO] }
+            });
+            there.iter().zip(self.here).any(|(a, b)| (a - b).abs() > self.condition.tolerance)
+        })
+    }
+
+    /// Levels of the longest path.
+    fn levels(&self) -> f64 {
+        let prepared = &self.condition.prepared;
+        let of = |&(origin, dir): &(DVec3, DVec3)| prepared.trace(origin, dir).rays.by_depth.len();
+        self.rays.iter().map(of).max().unwrap_or(1) as f64
+    }
+}

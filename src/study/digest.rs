@@ -1,0 +1,59 @@
+//! What a journal has to agree in with a study that goes on from it.
+
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+
+use super::run::Subject;
+use crate::geometry::{Shape, TriMesh};
+use crate::scene::Scene;
+
+/// Of the scene, the default choices, the size asked for, the threads, the program and the machine. Neither axes nor
+/// time limit are part of it: what was measured serves another choice of these, too.
+#[must_use]
+pub fn of(subject: &Subject) -> String {
+    let mut hasher = DefaultHasher::new();
+    scene(subject.scene, &mut hasher);
+    subject.default.flags().hash(&mut hasher);
+    (subject.size, subject.threads, &subject.machine.cpu, subject.machine.processors).hash(&mut hasher);
+    subject.machine.embree.as_ref().map(|e| (&e.version, &e.file)).hash(&mut hasher);
+    (subject.machine.vitrum, subject.machine.simd).hash(&mut hasher);
+    program().hash(&mut hasher);
+    format!("{:016x}", hasher.finish())
+}
+
+/// The program's own bytes: its version alone does not tell one build from the next.
+fn program() -> u64 {
+    let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
+    let mut hasher = DefaultHasher::new();
+    bytes.hash(&mut hasher);
+    hasher.finish()
+}
+
+fn scene(scene: &Scene, hasher: &mut DefaultHasher) {
+    for geometry in &scene.geometry {
+        geometry.mask.hash(hasher);
+        match &geometry.shape {
+            Shape::Mesh(m) => mesh(m, hasher),
+            other => format!("{other:?}").hash(hasher),
+        }
+    }
+    let materials: Vec<u32> = scene.objects.iter().map(|o| o.material).collect();
+    materials.hash(hasher);
+    for texture in &scene.textures {
+        (texture.width, texture.height).hash(hasher);
+        texture.pixels.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
+    }
+    // Plain data of a few lines each.
+    let plain = format!(
+        "{:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+        scene.materials, scene.media, scene.lights, scene.environment, scene.ambient, scene.camera, scene.settings
+    );
+    plain.hash(hasher);
+}
+
+fn mesh(mesh: &TriMesh, hasher: &mut DefaultHasher) {
+    for list in [&mesh.positions, &mesh.normals] {
+        list.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
+    }
+    mesh.uvs.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
+    (&mesh.triangles, &mesh.normal_indices, &mesh.uv_indices).hash(hasher);
+}

@@ -1,0 +1,164 @@
+//! From a variant to its picture.
+
+use std::time::Instant;
+
+use super::axis::{Backend, Precision, Spheres};
+use super::spheres::with_spheres;
+use super::variant::Variant;
+#[cfg(not(feature = "embree"))]
+use crate::Error;
+use crate::Result;
+use crate::accel::{Intersector, Unbounded, native::Native};
+use crate::render::reference::{self, Prepared};
+use crate::render::{Observer, Options, Outcome, render};
+use crate::scene::Scene;
+
+/// A picture, and how long it took.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// The picture and what was counted.
+    pub outcome: Outcome,
+    /// Wall time of the render, without building the hierarchy.
+    pub seconds: f64,
+    /// Wall time of building the hierarchy, now or the first time.
+    pub build_seconds: f64,
+}
+
+/// Makes pictures of one scene, and keeps the hierarchies between them.
+#[derive(Debug)]
+pub struct Engine<'a> {
+    scene: &'a Scene,
+    threads: usize,
+    /// One for each tessellation that was asked for.
+    stages: Vec<Stage>,
+}
+
+#[derive(Debug)]
+struct Stage {
+    spheres: Spheres,
+    scene: Scene,
+    native: Option<Built<Native>>,
+    #[cfg(feature = "embree")]
+    fast: Option<Built<crate::accel::embree::Embree>>,
+    #[cfg(feature = "embree")]
+    robust: Option<Built<crate::accel::embree::Embree>>,
+}
+
+/// A hierarchy and the seconds that building it took.
+struct Built<I> {
+    accel: Unbounded<I>,
+    seconds: f64,
+}
+
+impl<I> std::fmt::Debug for Built<I> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Built").field("seconds", &self.seconds).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Engine<'a> {
+    /// For pictures of `scene`, of the size that its settings have, by `threads` threads (0: one a processor).
+    #[must_use]
+    pub fn new(scene: &'a Scene, threads: usize) -> Self {
+        Self { scene, threads, stages: Vec::new() }
+    }
+
+    /// The picture of a variant.
+    ///
+    /// # Errors
+    /// `Interrupted`; a limit, where the back end is not there.
+    pub fn shoot(&mut self, variant: &Variant, observer: &Observer) -> Result<Shot> {
+        let options = variant.options(self.threads);
+        let threads = self.threads;
+        let stage = self.stage(variant.spheres);
+        stage.scene.settings = variant.settings(&stage.scene.settings);
+        let Stage { scene, native, .. } = stage;
+        match (variant.precision, variant.backend) {
+            (Precision::Double, _) => {
+                let start = Instant::now();
+                let prepared = Prepared::with(scene, &options);
+                let build_seconds = start.elapsed().as_secs_f64();
+                let start = Instant::now();
+                let outcome = reference::picture(&prepared, &options, observer)?;
+                Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds })
+            }
+            (Precision::Single, Backend::Native) => {
+                let native = built(native, scene, || Ok(Native::build(&scene.geometry)))?;
+                timed(scene, native, &options, observer)
+            }
+            #[cfg(feature = "embree")]
+            (Precision::Single, backend) => {
+                use crate::accel::embree::{self, Embree, Mode};
+                let (slot, mode) = match backend {
+                    Backend::EmbreeFast => (&mut stage.fast, Mode::Fast),
+                    _ => (&mut stage.robust, Mode::Robust),
+                };
+                let build = embree::Options { mode, threads, ..embree::Options::default() };
+                let embree = built(slot, scene, || Embree::build(&scene.geometry, &build))?;
+                timed(scene, embree, &options, observer)
+            }
+            #[cfg(not(feature = "embree"))]
+            (Precision::Single, _) => {
+                let _ = threads;
+                Err(Error::Limit(String::from(
+                    "this program was built without Embree; `cargo build --release --features embree` builds one with it",
+                )))
+            }
+        }
+    }
+
+    fn stage(&mut self, spheres: Spheres) -> &mut Stage {
+        let place = self.stages.iter().position(|s| s.spheres == spheres).unwrap_or_else(|| {
+            self.stages.push(Stage {
+                spheres,
+                scene: with_spheres(self.scene, spheres),
+                native: None,
+                #[cfg(feature = "embree")]
+                fast: None,
+                #[cfg(feature = "embree")]
+                robust: None,
+            });
+            self.stages.len() - 1
+        });
+        &mut self.stages[place]
+    }
+}
+
+/// Whether this program and this machine have what a back end needs.
+///
+/// # Errors
+/// A limit that says what is missing.
+pub fn available(backend: Backend) -> Result<()> {
+    match backend {
+        Backend::Native => Ok(()),
+        #[cfg(feature = "embree")]
+        _ => crate::accel::embree::device::Library::open(None).map(|_| ()),
+        #[cfg(not(feature = "embree"))]
+        _ => Err(Error::Limit(String::from("this program was built without Embree"))),
+    }
+}
+
+fn built<'b, I>(
+    slot: &'b mut Option<Built<I>>,
+    scene: &Scene,
+    build: impl FnOnce() -> Result<I>,
+) -> Result<&'b Built<I>>
+where
+    I: Intersector,
+{
+    let kept = match slot.take() {
+        Some(kept) => kept,
+        None => {
+            let start = Instant::now();
+            let accel = Unbounded::new(build()?, &scene.geometry);
+            Built { accel, seconds: start.elapsed().as_secs_f64() }
+        }
+    };
+    Ok(slot.insert(kept))
+}
+
+fn timed<I: Intersector>(scene: &Scene, built: &Built<I>, options: &Options, observer: &Observer) -> Result<Shot> {
+    let start = Instant::now();
+    let outcome = render(scene, &built.accel, options, observer)?;
+    Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds: built.seconds })
+}

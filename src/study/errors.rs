@@ -1,0 +1,126 @@
+//! How wrong a picture is.
+
+use serde::{Deserialize, Serialize};
+
+use super::condition::Condition;
+use crate::Result;
+use crate::image::{self, Film};
+
+/// A difference that a screen of 8 bits may show, in units of radiance: what pixels are counted by.
+pub const VISIBLE: f64 = 1.0 / 255.0;
+
+/// Pixels asked about their condition in one picture: the worst, and others evenly from the rest.
+const WORST_ASKED: usize = 24;
+const OTHERS_ASKED: usize = 24;
+
+/// A picture against its reference; see [`image::Comparison`] for the units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Root of the mean squared difference over all channels.
+    pub rmse: f64,
+    /// Largest difference of a channel.
+    pub max: f64,
+    /// In dB; none where the pictures are equal as seen.
+    pub psnr: Option<f64>,
+    /// Structural similarity, at most 1.
+    pub ssim: f64,
+    /// Share of pixels off by more than 1/255.
+    pub visible: f64,
+    /// Pixels off by more than 1/255.
+    pub above: u64,
+    /// Pixels that are not finite.
+    pub non_finite: u64,
+    /// The worst pixel's column and row.
+    pub worst: Option<[u32; 2]>,
+    /// What of it ill-conditioned pixels are to blame for, where that was asked.
+    pub apart: Option<Apart>,
+}
+
+/// Ill-conditioned pixels among those that are off by more than 1/255.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Apart {
+    /// Pixels asked: all that are off, or the worst of them and a regular choice of the rest.
+    pub asked: u64,
+    /// Ill-conditioned ones among these.
+    pub ill: u64,
+    /// Largest difference of a pixel not known to be ill-conditioned.
+    pub max: f64,
+    /// Root of the mean squared difference over all pixels but those found ill-conditioned.
+    pub rmse: f64,
+}
+
+/// Largest difference of a channel; infinite where one is no number.
+#[must_use]
+pub fn off(a: [f32; 3], b: [f32; 3]) -> f64 {
+    let d = |i: usize| (f64::from(a[i]) - f64::from(b[i])).abs();
+    (0..3).map(d).fold(0.0, |worst: f64, d| if d.is_nan() { f64::INFINITY } else { worst.max(d) })
+}
+
+impl Errors {
+    /// Of a picture against its reference, of the same size; `condition`, where given, is asked about pixels that are
+    /// off.
+    ///
+    /// # Errors
+    /// Usage, where they differ in size; `Interrupted`.
+    pub fn of(film: &Film, reference: &Film, condition: Option<&mut Condition>) -> Result<Self> {
+        let c = image::compare(film, reference, VISIBLE)?;
+        let apart = condition.map(|condition| apart(film, reference, condition)).transpose()?;
+        Ok(Self {
+            rmse: c.rmse,
+            max: c.max,
+            psnr: c.psnr,
+            ssim: c.ssim,
+            visible: c.share_above(),
+            above: c.above,
+            non_finite: c.non_finite,
+            worst: c.worst.map(|w| [w.x, w.y]),
+            apart,
+        })
+    }
+
+    /// Pixels off by more than 1/255 that are ill-conditioned, extrapolated from those asked.
+    #[must_use]
+    pub fn ill(&self) -> f64 {
+        self.apart.map_or(0.0, |a| self.above as f64 * a.ill as f64 / a.asked.max(1) as f64)
+    }
+
+    /// Root of the mean squared difference, known ill-conditioned pixels left out: what variants are ranked by.
+    #[must_use]
+    pub fn ranked(&self) -> f64 {
+        self.apart.map_or(self.rmse, |a| a.rmse)
+    }
+}
+
+fn apart(film: &Film, reference: &Film, condition: &mut Condition) -> Result<Apart> {
+    let mut beyond: Vec<(f64, usize)> = film
+        .pixels
+        .iter()
+        .zip(&reference.pixels)
+        .enumerate()
+        .map(|(i, (&p, &q))| (off(p, q), i))
+        .filter(|(off, _)| *off > VISIBLE)
+        .collect();
+    beyond.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let worst = beyond.len().min(WORST_ASKED);
+    let rest = &beyond[worst..];
+    let step = rest.len().div_ceil(OTHERS_ASKED).max(1);
+    let asked: Vec<(f64, usize)> = beyond[..worst].iter().chain(rest.iter().step_by(step)).copied().collect();
+    let width = film.width as usize;
+    let places: Vec<(u32, u32)> = asked.iter().map(|&(_, i)| ((i % width) as u32, (i / width) as u32)).collect();
+    let moves = condition.moves(&places)?;
+
+    let mut ill: Vec<usize> = asked.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((_, i), _)| *i).collect();
+    ill.sort_unstable();
+    let (mut max, mut squares, mut n) = (0.0_f64, 0.0, 0_u64);
+    for (i, (p, q)) in film.pixels.iter().zip(&reference.pixels).enumerate() {
+        if ill.binary_search(&i).is_ok() || !p.iter().chain(q).all(|x| x.is_finite()) {
+            continue;
+        }
+        max = max.max(off(*p, *q));
+        for (&a, &b) in p.iter().zip(q) {
+            squares += (f64::from(a) - f64::from(b)).powi(2);
+        }
+        n += 3;
+    }
+    Ok(Apart { asked: asked.len() as u64, ill: ill.len() as u64, max, rmse: (squares / n.max(1) as f64).sqrt() })
+}

@@ -1,0 +1,145 @@
+//! The report as one page that needs no network: figures as JSON, pictures as PNG, both inside it, and a script that
+//! draws them.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+use super::axis::Axis;
+use super::errors::off;
+use super::report::Report;
+use crate::Result;
+use crate::image::{self, Bits, Encoding, Film, Format, linear_from_srgb};
+
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/page.css");
+const SCRIPT: &str = include_str!("page/page.js");
+
+/// False colours from no difference to 1: black over violet and orange to yellow and white, in sRGB, evenly over the
+/// decades from [`DARK`] to 1.
+const RAMP: [[u8; 3]; 7] =
+    [[0, 0, 4], [40, 11, 84], [101, 21, 110], [159, 42, 99], [212, 72, 66], [250, 193, 39], [252, 255, 220]];
+
+/// The difference that is still shown black.
+const DARK: f64 = 1e-5;
+
+/// Colours of the axes, told apart by the colour-blind, too.
+const fn colour(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Fresnel => "#0072b2",
+        Axis::Refraction => "#b0467b",
+        Axis::Reflection => "#4f5bd5",
+        Axis::Shadows => "#e69f00",
+        Axis::Spheres => "#e58ab0",
+        Axis::Cutoff => "#d55e00",
+        Axis::Depth => "#6a3d9a",
+        Axis::Backend => "#009e73",
+        Axis::Precision => "#7a6a00",
+        Axis::Sampling => "#56b4e9",
+    }
+}
+
+/// A variant's picture and the reference it is held against.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// Its picture.
+    pub film: Film,
+    /// What it is held against.
+    pub reference: Option<Film>,
+}
+
+/// The two references, where they are there.
+#[derive(Clone, Debug, Default)]
+pub struct References {
+    /// At the default's rays a pixel.
+    pub own: Option<Film>,
+    /// At 16 by 16.
+    pub fine: Option<Film>,
+}
+
+#[derive(Serialize)]
+struct Data<'a> {
+    report: &'a Report,
+    pictures: Vec<Option<Shown>>,
+    references: Shared,
+}
+
+#[derive(Serialize)]
+struct Shown {
+    picture: String,
+    difference: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Shared {
+    own: Option<String>,
+    fine: Option<String>,
+}
+
+/// The page. `pictures` are one for one with the rows of the report.
+///
+/// # Errors
+/// Usage, where pictures that are compared differ in size; a limit, where one is empty.
+pub fn page(report: &Report, pictures: &[Option<Pair>], references: &References) -> Result<String> {
+    let shown = |pair: &Pair| {
+        let difference = pair.reference.as_ref().map(|r| png(&false_colours(&pair.film, r))).transpose()?;
+        Ok(Shown { picture: png(&pair.film)?, difference })
+    };
+    let pictures = pictures.iter().map(|p| p.as_ref().map(shown).transpose()).collect::<Result<Vec<_>>>()?;
+    let reference = |film: &Option<Film>| film.as_ref().map(png).transpose();
+    let references = Shared { own: reference(&references.own)?, fine: reference(&references.fine)? };
+    let data = serde_json::to_string(&Data { report, pictures, references }).unwrap_or_default();
+    // Inside a script element nothing may look like its end.
+    let data = data.replace('<', "\\u003c");
+    let ramp: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
+    let colours: Vec<String> = Axis::ALL.iter().map(|&a| format!("\"{}\": \"{}\"", a.name(), colour(a))).collect();
+    let title = escaped(&report.subject.scene);
+    let style = STYLE.replace("@RAMP@", &ramp.join(", "));
+    let script = SCRIPT.replace("@COLOURS@", &format!("{{ {} }}", colours.join(", ")));
+    // The data last, so that nothing in it is taken for a place.
+    let page = PAGE.replace("@STYLE@", &style).replace("@SCRIPT@", &script).replace("@TITLE@", &title);
+    Ok(page.replacen("@DATA@", &data, 1))
+}
+
+/// A film as the `src` of an image.
+fn png(film: &Film) -> Result<String> {
+    let encoding = Encoding { format: Format::Png, bits: Bits::Eight, metadata: Vec::new() };
+    Ok(format!("data:image/png;base64,{}", STANDARD.encode(image::encode(film, &encoding)?.bytes)))
+}
+
+/// The largest difference of each pixel's channels by [`RAMP`].
+#[must_use]
+pub fn false_colours(film: &Film, reference: &Film) -> Film {
+    let pixels = film.pixels.iter().zip(&reference.pixels).map(|(&a, &b)| ramp(off(a, b)));
+    Film { width: film.width, height: film.height, pixels: pixels.collect() }
+}
+
+fn ramp(difference: f64) -> [f32; 3] {
+    let last = (RAMP.len() - 1) as f64;
+    let at = ((difference / DARK).max(1.0).log10() / -DARK.log10() * last).clamp(0.0, last);
+    let low = (at.floor() as usize).min(RAMP.len() - 2);
+    let share = at - low as f64;
+    std::array::from_fn(|c| {
+        let [a, b] = [RAMP[low][c], RAMP[low + 1][c]].map(|code| f64::from(code) / 255.0);
+        linear_from_srgb(a + (b - a) * share) as f32
+    })
+}
+
+/// Text with HTML's own characters taken out.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn false_colours_run_from_black_to_white_over_five_decades() {
+        let code = |d: f64| ramp(d).map(|x| (image::srgb_from_linear(f64::from(x)) * 255.0).round() as u8);
+        assert_eq!((code(0.0), code(1e-5), code(1.0)), (RAMP[0], RAMP[0], RAMP[6]));
+        assert_eq!(code(f64::INFINITY), RAMP[6]);
+        // Halfway in decades.
+        assert_eq!(code(10.0_f64.powf(-2.5)), RAMP[3]);
+    }
+}

@@ -1,0 +1,275 @@
+//! What was measured so far, in a folder, so that a study may end at any time and go on later.
+
+use std::fs::{self, OpenOptions};
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::energy::Ledger;
+use super::errors::Errors;
+use super::reference::{Made, Reference};
+use super::variant::Variant;
+use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
+use crate::render::{RayCounts, RayKind};
+use crate::{Error, Result};
+
+/// The part of the folder that a study keeps for itself.
+const KEPT: &str = "study";
+
+/// What was measured of one variant.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Record {
+    /// Its choices.
+    pub variant: Variant,
+    /// Wall time of each timed render, in seconds.
+    pub seconds: Vec<f64>,
+    /// Each of them over the default variant's in the same round.
+    pub ratios: Vec<f64>,
+    /// Wall time of building its hierarchy, in seconds.
+    pub build_seconds: f64,
+    /// Rays traced.
+    pub rays: Rays,
+    /// Against `f64` with the exact choices at the default's rays a pixel, where it has as many.
+    pub own: Option<Errors>,
+    /// Against 16 by 16 rays a pixel.
+    pub fine: Option<Errors>,
+    /// Against the default variant's picture: what the choice alone changes.
+    pub change: Option<Change>,
+    /// Where its light went.
+    pub ledger: Ledger,
+    /// Its picture's file in the study's folder.
+    pub film: String,
+}
+
+/// The difference of two pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// Root of the mean squared difference over all channels.
+    pub rmse: f64,
+    /// Largest difference of a channel.
+    pub max: f64,
+}
+
+/// Rays by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rays {
+    /// All.
+    pub total: u64,
+    /// From the camera.
+    pub camera: u64,
+    /// Mirrored.
+    pub reflected: u64,
+    /// Refracted or passed through.
+    pub transmitted: u64,
+    /// Towards lights.
+    pub shadow: u64,
+    /// The deepest level reached.
+    pub deepest: u64,
+}
+
+impl From<&RayCounts> for Rays {
+    fn from(counts: &RayCounts) -> Self {
+        Self {
+            total: counts.total(),
+            camera: counts.of(RayKind::Camera),
+            reflected: counts.of(RayKind::Reflected),
+            transmitted: counts.of(RayKind::Transmitted),
+            shadow: counts.of(RayKind::Shadow),
+            deepest: counts.by_depth.len().saturating_sub(1) as u64,
+        }
+    }
+}
+
+/// The first line of a journal: what it is of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// Of the scene, the default choices, the program and the machine.
+    pub digest: String,
+    /// Columns of its pictures.
+    pub width: u32,
+    /// Rows of its pictures.
+    pub height: u32,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Line {
+    Study(Header),
+    Own(Made),
+    Fine(Made),
+    Variant(Box<Record>),
+}
+
+/// A study's folder and what is in it.
+#[derive(Debug)]
+pub struct Journal {
+    folder: PathBuf,
+    /// What it is of, once that is known.
+    pub header: Option<Header>,
+    /// What the other axes are held against.
+    pub own: Option<Reference>,
+    /// What the sampling axis is held against.
+    pub fine: Option<Reference>,
+    /// What was measured, in the order of measuring.
+    pub records: Vec<Record>,
+}
+
+impl Journal {
+    /// Opens the journal in `folder`, which is made where it is missing, and reads what is there of the study of
+    /// `digest`. A last line that was cut short, and records whose pictures are gone, are measured anew.
+    ///
+    /// # Errors
+    /// Io; usage, where the folder holds a study of something else, unless `fresh` says to forget it.
+    pub fn open(folder: &Path, digest: &str, fresh: bool) -> Result<Self> {
+        let kept = folder.join(KEPT);
+        fs::create_dir_all(&kept).map_err(|e| Error::io(&kept, "create", e))?;
+        let mut journal = Self { folder: kept, header: None, own: None, fine: None, records: Vec::new() };
+        let path = journal.path();
+        if fresh {
+            journal.forget()?;
+            return Ok(journal);
+        }
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(journal),
+            Err(e) => return Err(Error::io(&path, "read", e)),
+        };
+        for line in text.lines() {
+            match serde_json::from_str(line) {
+                Ok(Line::Study(header)) if header.digest == digest => journal.header = Some(header),
+                Ok(Line::Study(_)) => {
+                    return Err(Error::Usage(format!(
+                        "{}: holds a study of another scene, other options, another program or another machine; choose \
+                         another folder, or add --fresh to forget it",
+                        folder.display()
+                    )));
+                }
+                Ok(Line::Own(made)) => journal.own = journal.reference(made),
+                Ok(Line::Fine(made)) => journal.fine = journal.reference(made),
+                Ok(Line::Variant(record)) => journal.put(*record),
+                Err(_) => {}
+            }
+        }
+        let there = |record: &Record| journal.film(&record.film).is_some();
+        let there: Vec<bool> = journal.records.iter().map(there).collect();
+        let mut there = there.into_iter();
+        journal.records.retain(|_| there.next().unwrap_or(false));
+        Ok(journal)
+    }
+
+    fn put(&mut self, record: Record) {
+        match self.records.iter_mut().find(|r| r.variant == record.variant) {
+            Some(old) => *old = record,
+            None => self.records.push(record),
+        }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.join("journal.jsonl")
+    }
+
+    fn forget(&self) -> Result<()> {
+        let entries = fs::read_dir(&self.folder).map_err(|e| Error::io(&self.folder, "read", e))?;
+        for path in entries.filter_map(|entry| entry.ok().map(|e| e.path())) {
+            let ours = path.extension().is_some_and(|e| e == "pfm" || e == "jsonl");
+            if ours {
+                fs::remove_file(&path).map_err(|e| Error::io(&path, "remove", e))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, made: Made) -> Option<Reference> {
+        self.film(&made.film).map(|film| Reference { film, made })
+    }
+
+    /// A picture that was kept.
+    #[must_use]
+    pub fn film(&self, name: &str) -> Option<Film> {
+        image::read(&self.folder.join(name), &ReadOptions::default()).ok().map(|picture| picture.film)
+    }
+
+    /// What was measured of a variant.
+    #[must_use]
+    pub fn find(&self, variant: &Variant) -> Option<&Record> {
+        self.records.iter().find(|r| r.variant == *variant)
+    }
+
+    /// Says what the study is of.
+    ///
+    /// # Errors
+    /// Io.
+    pub fn begin(&mut self, header: Header) -> Result<()> {
+        self.append(&Line::Study(header.clone()))?;
+        self.header = Some(header);
+        Ok(())
+    }
+
+    /// Keeps what pictures are held against.
+    ///
+    /// # Errors
+    /// Io.
+    pub fn keep_own(&mut self, reference: Reference) -> Result<()> {
+        self.keep_film(&reference.made.film, &reference.film)?;
+        self.append(&Line::Own(reference.made.clone()))?;
+        self.own = Some(reference);
+        Ok(())
+    }
+
+    /// Keeps what the sampling axis is held against.
+    ///
+    /// # Errors
+    /// Io.
+    pub fn keep_fine(&mut self, reference: Reference) -> Result<()> {
+        self.keep_film(&reference.made.film, &reference.film)?;
+        self.append(&Line::Fine(reference.made.clone()))?;
+        self.fine = Some(reference);
+        Ok(())
+    }
+
+    /// Keeps what was measured of a variant, in place of what there was of it.
+    ///
+    /// # Errors
+    /// Io.
+    pub fn keep(&mut self, record: Record, film: &Film) -> Result<()> {
+        self.keep_film(&record.film, film)?;
+        self.append(&Line::Variant(Box::new(record.clone())))?;
+        self.put(record);
+        Ok(())
+    }
+
+    /// Keeps new figures of a variant whose picture is there.
+    ///
+    /// # Errors
+    /// Io.
+    pub fn note(&mut self, record: Record) -> Result<()> {
+        self.append(&Line::Variant(Box::new(record.clone())))?;
+        self.put(record);
+        Ok(())
+    }
+
+    fn keep_film(&self, name: &str, film: &Film) -> Result<()> {
+        let encoding = Encoding { format: Format::Pfm, bits: Bits::Eight, metadata: Vec::new() };
+        Destination::new(&self.folder.join(name))?.write(&image::encode(film, &encoding)?.bytes, || true)
+    }
+
+    fn append(&self, line: &Line) -> Result<()> {
+        let path = self.path();
+        let system = |e| Error::io(&path, "write", e);
+        let mut text = serde_json::to_string(line).map_err(|e| system(std::io::Error::other(e)))?;
+        text.push('\n');
+        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(system)?;
+        // At once, so that a line is whole or missing.
+        file.write_all(text.as_bytes()).and_then(|()| file.sync_data()).map_err(system)
+    }
+}
+
+/// The name of the file that a variant's picture is kept in.
+#[must_use]
+pub fn film_name(variant: &Variant) -> String {
+    let mut hasher = DefaultHasher::new();
+    variant.flags().hash(&mut hasher);
+    format!("{:016x}.pfm", hasher.finish())
+}

@@ -1,0 +1,68 @@
+//! What pictures are held against.
+
+use serde::{Deserialize, Serialize};
+
+use super::axis::{Precision, Spheres};
+use super::variant::Variant;
+use crate::image::Film;
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::render::Reflection;
+
+/// Depth limit of the exact choices, at least.
+const DEPTH: u32 = 64;
+
+/// Cut-off of the exact choices, at most.
+const CUTOFF: f32 = 1.0 / 65536.0;
+
+/// Rays a pixel, squared, of what the sampling axis is judged against.
+pub const FINE: u32 = 16;
+
+/// A reference picture and where it is from.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The picture.
+    pub film: Film,
+    /// What it is.
+    pub made: Made,
+}
+
+/// How a reference was made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Made {
+    /// Its choices.
+    pub variant: Variant,
+    /// Wall time, in seconds.
+    pub seconds: f64,
+    /// Mean weight that even its depth limit and cut-off took.
+    pub cut: f64,
+    /// The most that they took of a pixel's channel.
+    pub cut_most: f64,
+    /// Its file in the study's folder.
+    pub film: String,
+}
+
+/// The exact choices, with the rays a pixel and the shadow rule of `default`: `f64`, the Fresnel equations, Snell's law, traced reflections, exact
+/// spheres, a depth limit of at least 64 and a cut-off of at most 1/65536.
+#[must_use]
+pub fn exact(default: &Variant) -> Variant {
+    Variant {
+        fresnel: FresnelModel::Exact,
+        refraction: RefractionModel::Stable,
+        oliveira: Oliveira::GLASS,
+        reflection: Reflection::Traced,
+        spheres: Spheres::Exact,
+        depth: default.depth.max(DEPTH),
+        cutoff: default.cutoff.min(CUTOFF),
+        precision: Precision::Double,
+        ..*default
+    }
+}
+
+/// What 16 by 16 rays a pixel may be made by, the best first: the exact choices in `f64`, the same in `f32`, the
+/// default ones.
+#[must_use]
+pub fn fine(default: &Variant) -> [Variant; 3] {
+    let exact = exact(default);
+    let single = Variant { precision: Precision::Single, ..exact };
+    [exact, single, *default].map(|v| Variant { samples: FINE, ..v })
+}

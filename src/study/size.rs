@@ -1,0 +1,71 @@
+//! How large a study's pictures are: as large as its time limit bears.
+
+use super::engine::Engine;
+use super::reference;
+use super::run::Subject;
+use crate::Result;
+use crate::render::Observer;
+use crate::scene::{Scene, Settings};
+
+/// The largest that is chosen, in pixels.
+const MOST: f64 = 320.0 * 240.0;
+
+/// The smallest.
+const LEAST: f64 = 96.0 * 64.0;
+
+/// Pixels of the pictures that costs are estimated from.
+const PROBE: [f64; 2] = [4800.0, 600.0];
+
+/// Default pictures that a session should have time for.
+const PICTURES: f64 = 1000.0;
+
+/// The share of a session that the reference may take.
+const REFERENCE: f64 = 0.1;
+
+/// Columns and rows as asked for, or as many as the time limit bears, in the scene's shape.
+///
+/// # Errors
+/// `Interrupted`; a limit, where the default back end is not there.
+pub fn choose(subject: &Subject, observer: &Observer) -> Result<[u32; 2]> {
+    if let Some(size) = subject.size {
+        return Ok(size);
+    }
+    let settings = &subject.scene.settings;
+    let exact = reference::exact(&subject.default);
+    let [fast, slow] = PROBE.map(|pixels| fit(settings, pixels));
+    let cost = |size: [u32; 2], variant, runs: usize| {
+        let mut scene = Scene::clone(subject.scene);
+        [scene.settings.width, scene.settings.height] = size;
+        let mut engine = Engine::new(&scene, subject.threads);
+        let mut seconds = f64::INFINITY;
+        for _ in 0..runs {
+            seconds = engine.shoot(variant, observer)?.seconds.min(seconds);
+        }
+        Ok::<f64, crate::Error>(seconds / (f64::from(size[0]) * f64::from(size[1])))
+    };
+    let limit = subject.limit.as_secs_f64();
+    let by_default = limit / PICTURES / cost(fast, &subject.default, 3)?;
+    let by_reference = limit * REFERENCE / cost(slow, &exact, 1)?;
+    let own = f64::from(settings.width) * f64::from(settings.height);
+    Ok(fit(settings, by_default.min(by_reference).clamp(LEAST, MOST).min(own)))
+}
+
+/// The size of about so many pixels in the shape of a picture.
+pub(super) fn fit(settings: &Settings, pixels: f64) -> [u32; 2] {
+    let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+    let scale = (pixels / (width * height)).sqrt().min(1.0);
+    [width, height].map(|edge| (edge * scale).round().max(1.0) as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_shrinks_in_its_own_shape() {
+        let settings = Settings { width: 1920, height: 1080, ..Settings::default() };
+        assert_eq!(fit(&settings, 320.0 * 180.0), [320, 180]);
+        let small = Settings { width: 40, height: 30, ..Settings::default() };
+        assert_eq!(fit(&small, MOST), [40, 30], "never larger than the scene's own");
+    }
+}

@@ -1,0 +1,188 @@
+//! The report for a terminal of 80 columns: a table, and time against error as a plot of characters.
+
+use super::report::{Report, Row};
+
+/// Columns and rows inside the frame of the plot.
+const PLOT: [usize; 2] = [66, 16];
+
+/// All of it.
+#[must_use]
+pub fn report(report: &Report) -> String {
+    let mut text = heading(report);
+    text += &table(report);
+    text += &plot(&report.rows);
+    if !report.left_out.is_empty() {
+        text += "\nLeft out\n";
+        text += &report.left_out.iter().map(|why| wrapped(why, "  ")).collect::<String>();
+    }
+    text
+}
+
+fn heading(report: &Report) -> String {
+    let (m, s) = (&report.machine, &report.subject);
+    let mut text = wrapped(&format!("{}, {} threads; Vitrum {} for {}", m.cpu, report.threads, m.vitrum, m.simd), "");
+    text += &wrapped(&format!("{}, {} x {} pixels", s.scene, s.width, s.height), "");
+    if let Some(default) = report.rows.first() {
+        text += &wrapped(&format!("default: {}", default.levels), "");
+        text += &format!("         {:.1} ms, {} rays\n", default.seconds.median * 1e3, default.rays.total);
+    }
+    if let Some(own) = &report.own {
+        text += &wrapped(
+            &format!(
+                "errors are against f64, depth {}, cut-off {} ({:.1} s; cut: {:.1e} in the mean)",
+                own.variant.depth, own.variant.cutoff, own.seconds, own.cut
+            ),
+            "",
+        );
+    }
+    if let Some(fine) = &report.fine {
+        text += &wrapped(&format!("rows with ^ are against 16 x 16 rays a pixel ({})", fine.variant), "");
+    }
+    text
+}
+
+fn table(report: &Report) -> String {
+    let mut text = format!(
+        "\n{:<2}{:<24}{:>7} {:>13}{:>9}{:>9}{:>7}{:>8}\n",
+        "", "", "time", "interval", "RMSE", "max", ">1/255", "light"
+    );
+    let mut marks = marks(&report.rows).into_iter();
+    for row in &report.rows {
+        let mark = marks.next().flatten().map_or(' ', |c| c);
+        let [low, high] = row.ratio.interval;
+        let interval = match row.ratio.runs {
+            1 => String::from("1 run"),
+            _ if row.same_time => format!("= {low:.2}..{high:.2}"),
+            _ => format!("{low:.2}..{high:.2}"),
+        };
+        let cells = row.judged().map_or_else(Default::default, |e| {
+            [format!("{:.1e}", e.ranked()), format!("{:.1e}", e.apart.map_or(e.max, |a| a.max)), percent(e.visible)]
+        });
+        let [rmse, max, visible] = cells;
+        let rmse = if row.own.is_none() && row.fine.is_some() { format!("^{rmse}") } else { rmse };
+        let light = format!("{:+.2}%", row.ledger.error() * 100.0);
+        let mut names = name_lines(&row.name).into_iter();
+        let first = names.next().unwrap_or_default();
+        let time = if row.name == "default" { String::from("1") } else { short(row.ratio.median) };
+        text += &format!("{mark:<2}{first:<24}{time:>7} {interval:>13}{rmse:>9}{max:>9}{visible:>7}{light:>8}\n");
+        for more in names {
+            text += &format!("    {more}\n");
+        }
+    }
+    text += "letters: on the front, nothing is both faster and more right\n";
+    text += "=: no measurable difference in time; RMSE and max without ill-conditioned pixels\n";
+    text
+}
+
+/// A name in lines of at most 24 characters, broken at commas.
+fn name_lines(name: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for part in name.split(", ") {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 2 + part.chars().count() <= 22 => {
+                *line += ", ";
+                *line += part;
+            }
+            _ => lines.push(part.to_owned()),
+        }
+    }
+    let last = lines.len().saturating_sub(1);
+    lines.iter_mut().take(last).for_each(|line| line.push(','));
+    lines
+}
+
+fn short(ratio: f64) -> String {
+    if ratio < 10.0 { format!("{ratio:.3}") } else { format!("{ratio:.1}") }
+}
+
+fn percent(share: f64) -> String {
+    let p = share * 100.0;
+    if p == 0.0 || p >= 9.95 { format!("{p:.0}%") } else { format!("{p:.2}%") }
+}
+
+/// Letters of the rows on the front, in the order of time; none for the others.
+fn marks(rows: &[Row]) -> Vec<Option<char>> {
+    let mut on: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].front).collect();
+    on.sort_by(|&a, &b| rows[a].ratio.median.total_cmp(&rows[b].ratio.median));
+    let mut marks = vec![None; rows.len()];
+    for (i, letter) in on.into_iter().zip(('a'..='z').chain('A'..='Z').chain(std::iter::repeat('*'))) {
+        marks[i] = Some(letter);
+    }
+    marks
+}
+
+/// Time against error, both in decades, of what is judged at the default's rays a pixel.
+fn plot(rows: &[Row]) -> String {
+    let marks = marks(rows);
+    let points: Vec<(f64, f64, char)> = rows
+        .iter()
+        .zip(marks)
+        .filter_map(|(r, mark)| {
+            let error = r.own.as_ref()?.ranked();
+            let c = mark.unwrap_or(if r.name == "default" { 'D' } else { '.' });
+            (error > 0.0).then_some((r.ratio.median.log10(), error.log10(), c))
+        })
+        .collect();
+    if points.len() < 2 {
+        return String::new();
+    }
+    let range = |of: fn(&(f64, f64, char)) -> f64| {
+        let (lo, hi) = points.iter().map(of).fold((f64::MAX, f64::MIN), |(lo, hi), x| (lo.min(x), hi.max(x)));
+        (lo, (hi - lo).max(0.01))
+    };
+    let ((x0, dx), (y0, dy)) = (range(|p| p.0), range(|p| p.1));
+    let [columns, lines] = PLOT;
+    let mut grid = vec![vec![' '; columns]; lines];
+    // The front is drawn last, over what else is there.
+    let (front, others): (Vec<_>, Vec<_>) = points.into_iter().partition(|p| p.2 != '.');
+    for (x, y, c) in others.into_iter().chain(front) {
+        let column = ((x - x0) / dx * (columns - 1) as f64).round() as usize;
+        let line = lines - 1 - ((y - y0) / dy * (lines - 1) as f64).round() as usize;
+        grid[line][column] = c;
+    }
+    let mut text = String::from("\nRMSE\n");
+    for (i, line) in grid.iter().enumerate() {
+        let value = 10.0_f64.powf(y0 + dy * (lines - 1 - i) as f64 / (lines - 1) as f64);
+        let label = if i % 5 == 0 { format!("{value:.1e}") } else { String::new() };
+        text += format!("{label:>8} |{}", line.iter().collect::<String>()).trim_end();
+        text.push('\n');
+    }
+    let (left, right) = (10.0_f64.powf(x0), 10.0_f64.powf(x0 + dx));
+    text += &format!("{:>8} +{}\n", "", "-".repeat(columns));
+    let (left, right) = (format!("{left:.2}"), format!("{right:.2} times the default's time"));
+    text += &format!("{:>10}{left}{right:>width$}\n", "", width = columns - left.len());
+    text + "          D: default, where it is not on the front\n"
+}
+
+/// `text` in lines of at most 80 columns, all but the first further in.
+fn wrapped(text: &str, indent: &str) -> String {
+    let mut out = String::new();
+    let mut line = indent.to_owned();
+    for word in text.split_whitespace() {
+        if line.chars().count() + 1 + word.chars().count() > 80 && line.trim() != "" {
+            out += line.trim_end();
+            out.push('\n');
+            line = format!("{indent}    ");
+        }
+        line += word;
+        line.push(' ');
+    }
+    out + line.trim_end() + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_are_broken_at_commas() {
+        assert_eq!(name_lines("default"), ["default"]);
+        assert_eq!(name_lines("fresnel schlick, depth 4, cutoff 1/16"), ["fresnel schlick,", "depth 4, cutoff 1/16"]);
+        assert_eq!((percent(0.0), percent(0.001), percent(0.5)), ("0%".into(), "0.10%".into(), "50%".into()));
+        assert!(
+            wrapped(&"word ".repeat(40), "  ")
+                .lines()
+                .all(|l| l.len() <= 80 && l.starts_with("  w") || l.starts_with("      "))
+        );
+    }
+}

@@ -1,0 +1,235 @@
+//! One of each choice.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::axis::{Axis, Backend, Level, Precision, Spheres};
+use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::render::{Options, Reflection};
+use crate::scene::{Settings, ShadowRule};
+
+/// One of each choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variant {
+    /// Which formula splits light.
+    pub fresnel: FresnelModel,
+    /// Which formula bends light.
+    pub refraction: RefractionModel,
+    /// The constant of Oliveira's formula; that for glass with any other.
+    pub oliveira: Oliveira,
+    /// What becomes of reflected light.
+    pub reflection: Reflection,
+    /// What transparent surfaces do to shadows.
+    pub shadows: ShadowRule,
+    /// What spheres are.
+    pub spheres: Spheres,
+    /// Below which weight a ray ends, 0..=1.
+    pub cutoff: f32,
+    /// How often a ray may reflect or refract.
+    pub depth: u32,
+    /// What finds hits, where `precision` is single.
+    pub backend: Backend,
+    /// What the picture is computed in.
+    pub precision: Precision,
+    /// A regular grid of so many by so many rays a pixel.
+    pub samples: u32,
+}
+
+impl Variant {
+    /// The choices that a render of a scene with these settings makes.
+    #[must_use]
+    pub fn of(settings: &Settings, backend: Backend) -> Self {
+        Self {
+            fresnel: FresnelModel::Exact,
+            refraction: RefractionModel::Stable,
+            oliveira: Oliveira::GLASS,
+            reflection: Reflection::Traced,
+            shadows: settings.shadows,
+            spheres: Spheres::Exact,
+            cutoff: settings.cutoff,
+            depth: settings.max_depth,
+            backend,
+            precision: Precision::Single,
+            samples: settings.samples,
+        }
+    }
+
+    /// Its level of one axis.
+    #[must_use]
+    pub fn level(&self, axis: Axis) -> Level {
+        match axis {
+            Axis::Fresnel => Level::Fresnel(self.fresnel),
+            Axis::Refraction => Level::Refraction(self.refraction, self.oliveira),
+            Axis::Reflection => Level::Reflection(self.reflection),
+            Axis::Shadows => Level::Shadows(self.shadows),
+            Axis::Spheres => Level::Spheres(self.spheres),
+            Axis::Cutoff => Level::Cutoff(self.cutoff),
+            Axis::Depth => Level::Depth(self.depth),
+            Axis::Backend => Level::Backend(self.backend),
+            Axis::Precision => Level::Precision(self.precision),
+            Axis::Sampling => Level::Sampling(self.samples),
+        }
+    }
+
+    /// The same with another level of one axis.
+    #[must_use]
+    pub fn with(mut self, level: Level) -> Self {
+        match level {
+            Level::Fresnel(x) => self.fresnel = x,
+            Level::Refraction(x, c) => (self.refraction, self.oliveira) = (x, c),
+            Level::Reflection(x) => self.reflection = x,
+            Level::Shadows(x) => self.shadows = x,
+            Level::Spheres(x) => self.spheres = x,
+            Level::Cutoff(x) => self.cutoff = x,
+            Level::Depth(x) => self.depth = x,
+            Level::Backend(x) => self.backend = x,
+            Level::Precision(x) => self.precision = x,
+            Level::Sampling(x) => self.samples = x,
+        }
+        self
+    }
+
+    /// The levels that are not those of `o`.
+    #[must_use]
+    pub fn apart_from(&self, o: &Self) -> Vec<Level> {
+        let levels = Axis::ALL.map(|axis| self.level(axis));
+        levels.into_iter().filter(|level| *level != o.level(level.axis())).collect()
+    }
+
+    /// What it is called beside `default`: what it has else, or `default`.
+    #[must_use]
+    pub fn name(&self, default: &Self) -> String {
+        let named = |level: &Level| format!("{} {level}", level.axis().name());
+        let names: Vec<String> = self.apart_from(default).iter().map(named).collect();
+        if names.is_empty() { String::from("default") } else { names.join(", ") }
+    }
+
+    /// Settings with these choices.
+    #[must_use]
+    pub fn settings(&self, of: &Settings) -> Settings {
+        Settings {
+            samples: self.samples,
+            max_depth: self.depth,
+            cutoff: self.cutoff,
+            shadows: self.shadows,
+            ..of.clone()
+        }
+    }
+
+    /// Options of a render by these choices.
+    #[must_use]
+    pub fn options(&self, threads: usize) -> Options {
+        Options {
+            fresnel: self.fresnel,
+            refraction: self.refraction,
+            oliveira: self.oliveira,
+            reflection: self.reflection,
+            threads,
+            ..Options::default()
+        }
+    }
+
+    /// The options of `vitrum render` that repeat it.
+    #[must_use]
+    pub fn flags(&self) -> Vec<String> {
+        let mut flags = vec![
+            format!("--samples {}", self.samples),
+            format!("--depth {}", self.depth),
+            format!("--cutoff {}", self.cutoff),
+            format!("--fresnel {}", self.level(Axis::Fresnel)),
+        ];
+        flags.push(match self.refraction {
+            RefractionModel::Oliveira => format!("--refraction oliveira --oliveira {}", self.oliveira.c),
+            _ => format!("--refraction {}", self.level(Axis::Refraction)),
+        });
+        flags.push(format!("--reflection {}", self.level(Axis::Reflection)));
+        flags.push(format!("--shadows {}", self.level(Axis::Shadows)));
+        if let Spheres::Bands(n) = self.spheres {
+            flags.push(format!("--spheres {n}"));
+        }
+        flags.push(match self.precision {
+            Precision::Single => format!("--backend {}", self.level(Axis::Backend)),
+            Precision::Double => String::from("--backend reference"),
+        });
+        flags
+    }
+
+    /// The command that makes this picture of `scene` again, for a shell.
+    #[must_use]
+    pub fn command(&self, scene: &Path, size: [u32; 2]) -> String {
+        let [width, height] = size;
+        let scene = quoted(&scene.display().to_string());
+        format!("vitrum render {scene} -o picture.exr --width {width} --height {height} {}", self.flags().join(" "))
+    }
+}
+
+/// A word as a shell takes it.
+#[must_use]
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+=:,@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// By the names of its levels.
+impl Serialize for Variant {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(Axis::ALL.map(|axis| (axis.name(), self.level(axis).to_string())))
+    }
+}
+
+impl<'de> Deserialize<'de> for Variant {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let names: BTreeMap<String, String> = BTreeMap::deserialize(deserializer)?;
+        let mut variant = Self::of(&Settings::default(), Backend::Native);
+        for axis in Axis::ALL {
+            let name = names.get(axis.name()).ok_or_else(|| serde::de::Error::missing_field(axis.name()))?;
+            let level = Level::parse(axis, name)
+                .ok_or_else(|| serde::de::Error::custom(format!("{} has no level `{name}`", axis.name())))?;
+            variant = variant.with(level);
+        }
+        Ok(variant)
+    }
+}
+
+impl fmt::Display for Variant {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.flags().join(" "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn default() -> Variant {
+        Variant::of(&Settings::default(), Backend::Native)
+    }
+
+    #[test]
+    fn a_variant_is_called_by_what_it_has_else() {
+        let other = default().with(Level::Depth(4)).with(Level::Fresnel(FresnelModel::Schlick));
+        assert_eq!(default().name(&default()), "default");
+        assert_eq!(other.name(&default()), "fresnel schlick, depth 4");
+        assert!(other.command(Path::new("it's.toml"), [3, 2]).contains(r"'it'\''s.toml' -o"));
+        assert!(other.command(Path::new("a.toml"), [3, 2]).contains("--depth 4 "));
+        assert!(other.with(Level::Precision(Precision::Double)).to_string().ends_with("--backend reference"));
+    }
+
+    #[test]
+    fn a_variant_survives_the_journal() {
+        for axis in Axis::ALL {
+            for level in axis.levels() {
+                let variant = default().with(level);
+                let text = serde_json::to_string(&variant).unwrap();
+                assert_eq!(serde_json::from_str::<Variant>(&text).unwrap(), variant);
+            }
+        }
+    }
+}

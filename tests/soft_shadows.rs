@@ -1,0 +1,225 @@
+//! Soft shadows in the eight-wide renderer: against the one in `f64`, against themselves without probing, and the same
+//! to the bit however the work is divided.
+
+#[path = "support/mod.rs"]
+mod support;
+
+use glam::{DVec3, Vec3};
+use support::scenes::{add, bare, cuboid, empty, glass, material, native, plane, sphere};
+use vitrum::image::Film;
+use vitrum::render::reference::{self, Prepared};
+use vitrum::render::{Observer, Options, RayKind};
+use vitrum::scene::{
+    Colour, Falloff, Highlight, HighlightModel, Interface, LampSampling, Light, LightKind, Material, MirrorSource,
+    Pattern, Rgb, Scene, ShadowRule, Spread,
+};
+
+fn lamp(kind: LightKind, falloff: Falloff) -> Light {
+    let intensity = if falloff == Falloff::None { Rgb::new(0.7, 0.6, 0.5) } else { Rgb::new(20.0, 17.0, 14.0) };
+    Light { name: "lamp".into(), kind, intensity, falloff, shadows: true }
+}
+
+fn ball() -> LightKind {
+    LightKind::Sphere { position: Vec3::new(-1.4, 3.1, 1.7), radius: 0.5 }
+}
+
+fn sheet(spread: Spread) -> LightKind {
+    let edges = [Vec3::new(0.1, 0.2, 1.1), Vec3::new(1.0, -0.4, 0.0)];
+    LightKind::Rectangle { corner: Vec3::new(0.6, 2.9, 0.3), edges, spread }
+}
+
+/// A floor with a box, a shiny ball, a mirror and a thin post on it, seen from above.
+fn still_life(lights: Vec<Light>, sampling: LampSampling) -> Scene {
+    let mut scene = empty(0.05);
+    (scene.settings.width, scene.settings.height) = (60, 45);
+    scene.settings.max_depth = 4;
+    scene.settings.lamps = sampling;
+    scene.camera.eye = Vec3::new(0.4, 3.0, 5.0);
+    scene.camera.target = Vec3::new(0.0, 0.4, 0.0);
+    let matt = |colour| Material { diffuse: Colour::Constant(colour), ..Material::default() };
+    let floor = material(&mut scene, matt(Rgb::new(0.8, 0.7, 0.6)));
+    plane(&mut scene, Vec3::ZERO, Vec3::Y, floor);
+    let shiny = Highlight { colour: Rgb::splat(0.4), exponent: 20.0, model: HighlightModel::Phong };
+    let red = material(&mut scene, Material { highlight: Some(shiny), ..matt(Rgb::new(0.8, 0.2, 0.1)) });
+    sphere(&mut scene, Vec3::new(0.5, 0.4, 0.4), 0.4, red);
+    let grey = material(&mut scene, matt(Rgb::splat(0.5)));
+    cuboid(&mut scene, Vec3::new(-1.0, 0.0, -0.6), Vec3::new(-0.5, 0.7, -0.1), grey);
+    cuboid(&mut scene, Vec3::new(-0.2, 0.0, -0.32), Vec3::new(-0.14, 1.3, -0.26), grey);
+    let mirror =
+        material(&mut scene, bare(Interface::Mirror { reflectance: Rgb::splat(0.8), source: MirrorSource::Traced }));
+    cuboid(&mut scene, Vec3::new(0.8, 0.0, -0.9), Vec3::new(1.5, 0.8, -0.8), mirror);
+    scene.lights = lights;
+    scene
+}
+
+fn full(count: u32, pattern: Pattern) -> LampSampling {
+    LampSampling { count, pattern, seed: 3, probe: false }
+}
+
+fn differ(a: &Film, b: &Film, by: f64) -> Vec<(u32, u32)> {
+    let far = |x, y| {
+        let [a, b] = [a.at(x, y), b.at(x, y)].map(|p| DVec3::from(p.map(f64::from)));
+        (a - b).abs().max_element() > by
+    };
+    (0..a.height).flat_map(|y| (0..a.width).map(move |x| (x, y))).filter(|&(x, y)| far(x, y)).collect()
+}
+
+/// Both renderers' pictures agree but for pixels whose value moves when the camera ray does by what rounding moves it.
+#[track_caller]
+fn renderers_agree(what: &str, scene: &Scene) {
+    let options = Options::default();
+    let ours = native(scene, &options);
+    let theirs = reference::render(scene, &options, &Observer::default()).expect("nobody interrupts a test");
+    assert_eq!(ours.rays.of(RayKind::Camera), theirs.rays.of(RayKind::Camera));
+    let prepared = Prepared::new(scene, options.fresnel);
+    let mut beyond = differ(&ours.film, &theirs.film, 2e-4);
+    let count = beyond.len();
+    assert!(count * 50 <= ours.film.pixels.len(), "{what}: {count} pixels differ");
+    beyond.retain(|&(x, y)| prepared.ulps_until_moved(f64::from(x) + 0.5, f64::from(y) + 0.5, 2e-4, 64.0).is_none());
+    println!("{what}: {count} pixels differ, {} of them well-conditioned", beyond.len());
+    // A shadow ray that grazes an edge in one renderer and misses it in the other is one of many of its pixel.
+    assert!(beyond.len() * 500 <= ours.film.pixels.len(), "{what}: {beyond:?}");
+    let largest = |film: &Film| film.pixels.iter().flatten().fold(0.0_f32, |m, &v| m.max(v));
+    assert!((largest(&ours.film) - largest(&theirs.film)).abs() < 1e-3);
+}
+
+#[test]
+fn both_renderers_see_the_same_half_shadows_point_by_point() {
+    for (what, kind, falloff) in [
+        ("a ball", ball(), Falloff::InverseSquare),
+        ("a ball without falloff", ball(), Falloff::None),
+        ("a panel", sheet(Spread::Cosine), Falloff::InverseSquare),
+        ("an even panel without falloff", sheet(Spread::Even), Falloff::None),
+    ] {
+        for sampling in [full(8, Pattern::Sobol), full(9, Pattern::Grid)] {
+            renderers_agree(what, &still_life(vec![lamp(kind, falloff)], sampling));
+        }
+    }
+}
+
+#[test]
+fn both_renderers_agree_on_several_lamps_with_several_rays_a_pixel_and_through_glass() {
+    let lights = vec![
+        lamp(ball(), Falloff::InverseSquare),
+        lamp(LightKind::Point { position: Vec3::new(2.0, 4.0, 2.0) }, Falloff::InverseSquare),
+        lamp(sheet(Spread::Cosine), Falloff::InverseSquare),
+    ];
+    for shadows in [ShadowRule::Straight, ShadowRule::Opaque] {
+        let mut scene = still_life(lights.clone(), full(4, Pattern::Sobol));
+        scene.settings.samples = 2;
+        (scene.settings.width, scene.settings.height) = (40, 30);
+        scene.settings.shadows = shadows;
+        let glass = glass(&mut scene, 1.5, 0, Rgb::new(0.8, 0.2, 0.4));
+        sphere(&mut scene, Vec3::new(-0.5, 0.45, 0.9), 0.4, glass);
+        renderers_agree("three lights", &scene);
+    }
+}
+
+/// What probing leaves out is what it says: a place that all the first rays agree on.
+#[test]
+fn probing_changes_few_pixels_by_little_and_saves_most_shadow_rays() {
+    for (what, kind) in [("a ball", ball()), ("a panel", sheet(Spread::Cosine))] {
+        let full = full(64, Pattern::Sobol);
+        let scene = |probe| still_life(vec![lamp(kind, Falloff::InverseSquare)], LampSampling { probe, ..full });
+        let [all, few] = [false, true].map(|probe| native(&scene(probe), &Options::default()));
+        let [rays, fewer] = [&all, &few].map(|outcome| outcome.rays.of(RayKind::Shadow));
+        let touched = differ(&all.film, &few.film, 0.0);
+        let visible = differ(&all.film, &few.film, 0.02);
+        let pixels = all.film.pixels.len();
+        println!(
+            "{what}: {fewer} shadow rays for {rays}; {} of {pixels} pixels differ, {} by more than 0.02",
+            touched.len(),
+            visible.len()
+        );
+        assert!(fewer * 2 < rays, "{what}: {fewer} for {rays}");
+        assert!(touched.len() * 50 < pixels, "{what}: {touched:?}");
+        assert!(visible.len() * 200 < pixels, "{what}: {visible:?}");
+    }
+}
+
+/// One straight edge across the lamp is found by the four corners around it, wherever it runs.
+#[test]
+fn a_straight_edge_is_never_missed() {
+    for kind in [ball(), sheet(Spread::Cosine)] {
+        for edge in [Vec3::X, Vec3::new(1.0, 0.0, 0.3), Vec3::new(0.4, 0.0, 1.0)] {
+            let scene = |probe| {
+                let mut scene = empty(0.0);
+                (scene.settings.width, scene.settings.height) = (64, 48);
+                scene.settings.lamps = LampSampling { count: 64, probe, ..LampSampling::default() };
+                scene.camera.eye = Vec3::new(0.1, 1.0, 6.0);
+                let white =
+                    material(&mut scene, Material { diffuse: Colour::Constant(Rgb::ONE), ..Material::default() });
+                plane(&mut scene, Vec3::new(0.0, -1.0, 0.0), Vec3::Y, white);
+                // A sheet with one edge through the middle of the scene, which reaches far on the other side.
+                let across = edge.cross(Vec3::Y).normalize() * 60.0;
+                let along = edge.normalize() * 60.0;
+                let at = Vec3::new(0.2, 1.2, 0.1);
+                let corners = [at - along, at + along, at + along + across, at - along + across];
+                let mesh = vitrum::geometry::TriMesh {
+                    positions: corners.to_vec(),
+                    triangles: vec![[0, 1, 2], [0, 2, 3]],
+                    ..Default::default()
+                };
+                let black = material(&mut scene, Material::black("cover"));
+                add(&mut scene, vitrum::geometry::Shape::Mesh(mesh), black);
+                scene.lights = vec![lamp(kind, Falloff::InverseSquare)];
+                scene
+            };
+            let [all, few] = [false, true].map(|probe| native(&scene(probe), &Options::default()));
+            assert_eq!(all.film.pixels, few.film.pixels);
+            let half = all.film.pixels.iter().flatten().filter(|&&v| v > 0.0).count();
+            assert!(half > 300 && few.rays.of(RayKind::Shadow) < all.rays.of(RayKind::Shadow));
+        }
+    }
+}
+
+#[test]
+fn threads_and_tiles_make_no_difference_to_a_bit() {
+    let lights = vec![lamp(ball(), Falloff::InverseSquare), lamp(sheet(Spread::Even), Falloff::InverseSquare)];
+    let mut scene = still_life(lights, LampSampling { count: 16, ..LampSampling::default() });
+    scene.settings.samples = 2;
+    let glass = glass(&mut scene, 1.5, 0, Rgb::new(0.8, 0.2, 0.4));
+    sphere(&mut scene, Vec3::new(-0.5, 0.45, 0.9), 0.4, glass);
+    let first = native(&scene, &Options { threads: 1, ..Options::default() });
+    for (threads, tile) in [(2, 32), (1, 8), (3, 17), (1, 1000)] {
+        let other = native(&scene, &Options { threads, tile, ..Options::default() });
+        assert_eq!(first.film.pixels, other.film.pixels, "{threads} threads, tiles of {tile}");
+        assert_eq!(first.rays.of(RayKind::Shadow), other.rays.of(RayKind::Shadow));
+    }
+}
+
+#[test]
+fn a_lamp_lights_what_nothing_shades_as_a_point_in_its_middle_does_from_afar() {
+    let position = Vec3::new(3.0, 40.0, 9.0);
+    let open = |kind| {
+        let mut scene = empty(0.0);
+        let white = material(&mut scene, Material { diffuse: Colour::Constant(Rgb::ONE), ..Material::default() });
+        plane(&mut scene, Vec3::new(0.0, -1.0, 0.0), Vec3::Y, white);
+        scene.lights = vec![Light { intensity: Rgb::splat(900.0), ..lamp(kind, Falloff::InverseSquare) }];
+        native(&scene, &Options::default()).film
+    };
+    let point = open(LightKind::Point { position });
+    let edges = [Vec3::X * 0.4, Vec3::Z * 0.4];
+    let corner = position - Vec3::new(0.2, 0.0, 0.2);
+    for kind in
+        [LightKind::Sphere { position, radius: 0.3 }, LightKind::Rectangle { corner, edges, spread: Spread::Even }]
+    {
+        let film = open(kind);
+        assert!(differ(&film, &point, 1e-3).is_empty(), "{kind:?}");
+        assert!(film.pixels.iter().any(|p| p[0] > 0.1));
+    }
+}
+
+#[test]
+fn another_seed_is_other_noise_around_the_same_mean() {
+    let scene = |seed| {
+        still_life(
+            vec![lamp(ball(), Falloff::InverseSquare)],
+            LampSampling { count: 16, seed, ..LampSampling::default() },
+        )
+    };
+    let [one, two] = [1, 2].map(|seed| native(&scene(seed), &Options::default()).film);
+    assert!(differ(&one, &two, 1e-3).len() > 50);
+    let mean = |film: &Film| film.pixels.iter().flatten().map(|&v| f64::from(v)).sum::<f64>() / 8100.0;
+    assert!((mean(&one) - mean(&two)).abs() < 1e-3 * mean(&one), "{} {}", mean(&one), mean(&two));
+}
