@@ -28,7 +28,7 @@ use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
 use crate::image::Film;
-use crate::optics::{Bands, FresnelModel, Oliveira, RefractionModel, Spectrum};
+use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
 use crate::scene::{Material, Scene};
 use crate::{Error, Result};
 use media::MediumStack;
@@ -52,8 +52,6 @@ pub struct Prepared<'a> {
     points: LampPoints,
     /// The wavelengths of a pixel's samples.
     spectrum: Spectrum,
-    /// Those of a ray on its own.
-    bands: Bands,
 }
 
 impl<'a> Prepared<'a> {
@@ -72,11 +70,9 @@ impl<'a> Prepared<'a> {
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        let settings = &scene.settings;
-        let points = LampPoints::new(&settings.lamps);
-        let spectrum = Spectrum::new(settings.wavelengths, settings.samples);
-        let bands = Bands::new(settings.wavelengths, 0.5);
-        Self { scene, accel, fresnel, refraction, oliveira, reflection, total_is_lost, stack, points, spectrum, bands }
+        let points = LampPoints::new(&scene.settings.lamps);
+        let spectrum = Spectrum::new(scene.settings.wavelengths, scene.settings.samples);
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, total_is_lost, stack, points, spectrum }
     }
 
     /// What was built.
@@ -100,7 +96,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Radiance that arrives at `origin` from `dir` (of unit length), by one ray of depth 0 that starts in the medium
-    /// around the camera's eye. Where a medium disperses it, each band counts by the wavelength in its middle.
+    /// around the camera's eye. Where a medium disperses it, it divides as a pixel's first ray does.
     #[must_use]
     pub fn radiance_along(&self, origin: DVec3, dir: DVec3) -> [f64; 3] {
         self.trace(origin, dir).radiance.to_array()
@@ -115,7 +111,7 @@ impl<'a> Prepared<'a> {
     /// [`Prepared::trace`] with lamps sampled as for that ray of the film.
     #[must_use]
     pub fn trace_for(&self, film: FilmRay, origin: DVec3, dir: DVec3) -> Tally {
-        Tracer::trace(self, film, &self.bands, origin, dir, &mut Off)
+        Tracer::trace(self, film, origin, dir, &mut Off)
     }
 
     /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
@@ -136,8 +132,7 @@ impl<'a> Prepared<'a> {
             for i in 0..n {
                 let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
                 let film = FilmRay { pixel: [column, row], sample: j * n + i };
-                let bands = &self.spectrum.sets()[self.spectrum.set_of(film.sample)];
-                mean.merge(&Tracer::trace(self, film, bands, origin, dir, record), share);
+                mean.merge(&Tracer::trace(self, film, origin, dir, record), share);
             }
         }
         mean

@@ -79,15 +79,8 @@ pub(super) struct Tracer<'a, 'r, L: Recorder> {
 }
 
 impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
-    /// All that comes of a camera ray, sampled as that ray of the film is, whose white light divides into `bands`.
-    pub fn trace(
-        prepared: &'a Prepared<'a>,
-        film: FilmRay,
-        bands: &'a Bands,
-        origin: DVec3,
-        dir: DVec3,
-        record: &'r mut L,
-    ) -> Tally {
+    /// All that comes of a camera ray, sampled as that ray of the film is.
+    pub fn trace(prepared: &'a Prepared<'a>, film: FilmRay, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
         let mut camera_ray = Pending {
             origin,
             dir,
@@ -100,8 +93,8 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
-        let (tally, pending) = (Tally::default(), vec![camera_ray]);
-        let mut tracer = Self { prepared, film, bands, tally, pending, record };
+        let bands = &prepared.spectrum.sets()[prepared.spectrum.set_of(film.sample)];
+        let mut tracer = Self { prepared, film, bands, tally: Tally::default(), pending: vec![camera_ray], record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
