@@ -72,7 +72,7 @@ impl Bands {
             let sum: f64 = colours.iter().map(|c| c[channel]).sum();
             let mut steps: Vec<f64> = colours.iter().map(|c| (c[channel] / sum / QUANTUM).round()).collect();
             // What rounding leaves over goes where it is smallest in proportion: to the largest.
-            let missing = QUANTUM.recip() - steps.iter().sum::<f64>();
+            let missing = 1.0 / QUANTUM - steps.iter().sum::<f64>();
             if let Some(largest) = steps.iter_mut().max_by(|a, b| a.total_cmp(b)) {
                 *largest += missing;
             }
