@@ -24,7 +24,8 @@ fn ball() -> LightKind {
 }
 
 fn sheet(spread: Spread) -> LightKind {
-    let edges = [Vec3::new(0.1, 0.2, 1.1), Vec3::new(1.0, -0.4, 0.0)];
+    // Downwards.
+    let edges = [Vec3::new(1.0, -0.4, 0.0), Vec3::new(0.1, 0.2, 1.1)];
     LightKind::Rectangle { corner: Vec3::new(0.6, 2.9, 0.3), edges, spread }
 }
 
@@ -71,6 +72,7 @@ fn renderers_agree(what: &str, scene: &Scene) {
     let ours = native(scene, &options);
     let theirs = reference::render(scene, &options, &Observer::default()).expect("nobody interrupts a test");
     assert_eq!(ours.rays.of(RayKind::Camera), theirs.rays.of(RayKind::Camera));
+    assert!(theirs.rays.of(RayKind::Shadow) > 1000, "{what} lights next to nothing");
     let prepared = Prepared::new(scene, options.fresnel);
     let mut beyond = differ(&ours.film, &theirs.film, 2e-4);
     let count = beyond.len();
