@@ -11,6 +11,7 @@ mod fresnel;
 mod fresnel_accuracy;
 mod lanes;
 mod metals;
+mod mueller;
 mod normals;
 mod oracle;
 mod reflection;
