@@ -59,6 +59,8 @@ pub(super) enum Command {
   vitrum render scenes/glass.toml -o glass.exr --depth 40 --cutoff 0
   vitrum render scenes/glass.toml -o reference.exr --backend reference
   vitrum render scenes/glass.toml -o plain.png --no-fresnel-split
+  vitrum render scenes/glass.toml -o proven.png --cutoff-error 0.002
+  vitrum render scenes/glass.toml -o polarised.png --fresnel polarised
   vitrum render scenes/glass.toml --quiet --json > summary.json
   vitrum render scenes/glass.toml --max-error 1/512
   vitrum render scenes/glass.toml --time-budget 2s
@@ -104,6 +106,11 @@ pub(super) struct RenderArgs {
     /// Wavelengths that white light divides into where a medium disperses it
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(7..=64), help_heading = "Light")]
     pub wavelengths: Option<u32>,
+
+    /// End rays by proof: what is cut changes no channel of any pixel by more than E
+    #[arg(long, value_name = "E", value_parser = above_zero, allow_negative_numbers = true, conflicts_with = "cutoff",
+        help_heading = "Light")]
+    pub cutoff_error: Option<f32>,
 
     /// Formula that splits light at a surface [default: exact]
     #[arg(long, value_enum, help_heading = "Light")]
@@ -424,6 +431,8 @@ pub(super) enum BitsArg {
 pub(super) enum FresnelArg {
     /// The Fresnel equations
     Exact,
+    /// The Fresnel equations, polarisation carried along every path
+    Polarised,
     /// Schlick's approximation
     Schlick,
     /// The reflectance at normal incidence for every angle
@@ -513,6 +522,11 @@ fn cutoff(text: &str) -> Result<f32, String> {
 fn above_minus_one(text: &str) -> Result<f64, String> {
     let x: f64 = number(text)?;
     if x > -1.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above -1")) }
+}
+
+fn above_zero(text: &str) -> Result<f32, String> {
+    let x: f32 = number(text)?;
+    if x > 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above 0")) }
 }
 
 fn exposure(text: &str) -> Result<f32, String> {

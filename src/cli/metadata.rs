@@ -21,7 +21,7 @@ pub(super) fn of(
         ("vitrum:simd", level::BUILT.into()),
         ("vitrum:samples", settings.samples.to_string()),
         ("vitrum:depth", settings.max_depth.to_string()),
-        ("vitrum:cutoff", settings.cutoff.to_string()),
+        ("vitrum:cutoff", options.cutoff_error.map_or(settings.cutoff.to_string(), |_| String::from("0"))),
         ("vitrum:wavelengths", settings.wavelengths.to_string()),
         ("vitrum:fresnel", fresnel_name(options.fresnel).into()),
         ("vitrum:refraction", refraction_name(options)),
@@ -31,6 +31,7 @@ pub(super) fn of(
     ]
     .into_iter()
     .chain((!options.effects.without.is_empty()).then(|| ("vitrum:without", without_names(options))))
+    .chain(options.cutoff_error.map(|error| ("vitrum:cutoff-error", error.to_string())))
     .chain(library.map(|version| ("vitrum:library", version.to_owned())))
     .map(|(name, value)| (name.to_owned(), value))
     .collect()
@@ -40,6 +41,7 @@ pub(super) fn of(
 pub(super) fn fresnel_name(model: FresnelModel) -> &'static str {
     match model {
         FresnelModel::Exact => "exact",
+        FresnelModel::Polarised => "polarised",
         FresnelModel::Schlick => "schlick",
         FresnelModel::Off => "off",
     }

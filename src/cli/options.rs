@@ -140,7 +140,7 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Reflection, args.reflection.is_some()),
             (Axis::Shadows, args.shadows.is_some()),
             (Axis::Spheres, args.spheres.is_some()),
-            (Axis::Cutoff, args.cutoff.is_some()),
+            (Axis::Cutoff, args.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.depth.is_some()),
             (Axis::Backend, args.backend.is_some()),
         ];
@@ -182,6 +182,7 @@ impl TryFrom<RenderArgs> for Render {
                     Some(ReflectionArg::None) => render::Reflection::None,
                 },
                 effects,
+                cutoff_error: args.cutoff_error,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
@@ -196,6 +197,7 @@ impl From<FresnelArg> for FresnelModel {
     fn from(arg: FresnelArg) -> Self {
         match arg {
             FresnelArg::Exact => Self::Exact,
+            FresnelArg::Polarised => Self::Polarised,
             FresnelArg::Schlick => Self::Schlick,
             FresnelArg::Off => Self::Off,
         }

@@ -59,7 +59,11 @@ struct Picture {
     height: u32,
     samples: u32,
     depth: u32,
+    /// Weight below which rays end; 0 where they end by a proven bound.
     cutoff: f32,
+    /// What that bound lets a channel of a pixel be off by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cutoff_error: Option<f32>,
     wavelengths: u32,
     fresnel: &'static str,
     refraction: String,
@@ -166,7 +170,8 @@ impl<'a> Summary<'a> {
                 height: settings.height,
                 samples: settings.samples,
                 depth: settings.max_depth,
-                cutoff: settings.cutoff,
+                cutoff: if job.options.cutoff_error.is_some() { 0.0 } else { settings.cutoff },
+                cutoff_error: job.options.cutoff_error,
                 wavelengths: settings.wavelengths,
                 fresnel: fresnel_name(job.options.fresnel),
                 refraction: refraction_name(&job.options),
@@ -224,11 +229,19 @@ impl<'a> Summary<'a> {
 
         line("picture", format!("{} ({} x {}, {})", self.output, p.width, p.height, self.format));
         let exposure = if p.exposure == 0.0 { String::new() } else { format!(", exposure {:+} EV", p.exposure) };
+        let cutoff = match p.cutoff_error {
+            None => format!("cut-off {}", p.cutoff),
+            Some(error) => format!("cut-off within {error} a channel"),
+        };
+        let reflection = match p.reflection {
+            "traced" => String::new(),
+            seen => format!(", reflection {seen}"),
+        };
         line(
             "settings",
             format!(
-                "{0} x {0} samples, depth {1}, cut-off {2}, Fresnel {3}, shadows {4}{exposure}",
-                p.samples, p.depth, p.cutoff, p.fresnel, p.shadows
+                "{0} x {0} samples, depth {1}, {cutoff}, Fresnel {2}{reflection}, shadows {3}{exposure}",
+                p.samples, p.depth, p.fresnel, p.shadows
             ),
         );
         let s = &self.size;

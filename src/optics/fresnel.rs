@@ -11,6 +11,8 @@ pub enum FresnelModel {
     /// The Fresnel equations for unpolarised light.
     #[default]
     Exact,
+    /// The Fresnel equations for each polarisation, carried along the path of a ray ([`super::Mueller`]).
+    Polarised,
     /// Schlick's approximation (1994).
     Schlick,
     /// No angle dependence: the reflectance at normal incidence for every angle.

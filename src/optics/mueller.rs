@@ -178,12 +178,12 @@ impl<R: Real> Diattenuation<R> {
         }
     }
 
-    /// The factor that a surface puts on the weight of a path that has this diattenuation, in the surface's frame.
-    /// At least 0 but for rounding.
+    /// The factor that a surface puts on the weight of a path that has this diattenuation, in the surface's frame:
+    /// 0..=1, outside of which only rounding could put it.
     #[inline(always)]
     #[must_use]
     pub fn gain(&self, surface: &Mueller<R>) -> R {
-        self.q.fma(surface.b, surface.a)
+        self.q.fma(surface.b, surface.a).max(R::zero()).min(R::one())
     }
 
     /// Of the path with the surface added to it, in the surface's frame; none where nothing goes on.

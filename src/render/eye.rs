@@ -64,7 +64,7 @@ fn solids_around<I: Intersector>(scene: &Scene, accel: &I) -> Vec<u32> {
         if !hit.is_hit() {
             break;
         }
-        let chunk = super::queue::Chunk { rays, states: vec![super::queue::State8::default()] };
+        let chunk = super::queue::Chunk { rays, states: vec![super::queue::State8::default()], extras: Vec::new() };
         let surface = super::surface::Surface8::one(scene, &chunk, &hits);
         let object = hit.geometry as usize;
         let solid = !matches!(scene.geometry[object].shape, Shape::Plane(_));

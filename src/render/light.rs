@@ -85,6 +85,8 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
             stack: &surface.stack,
             lead: surface.lead(dir),
             passes: &[0; 8],
+            place: surface.place,
+            extra: None,
         };
         shading.shadows.push8(lit & !dark.bits(), &new);
     }

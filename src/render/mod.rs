@@ -7,9 +7,12 @@
 
 mod accumulate;
 mod base;
+mod budget;
 mod camera;
+mod ceiling;
 mod class;
 mod extent;
+mod extra;
 mod eye;
 mod lamp;
 mod light;
@@ -34,6 +37,7 @@ mod through;
 mod tile;
 mod worker;
 
+pub use ceiling::Ceiling;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
 pub use pattern::FilmRay;
@@ -63,8 +67,9 @@ struct TileResult {
 ///
 /// # Errors
 /// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started or there is no
-/// memory for the picture.
+/// memory for the picture; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
+    let tolls = Ceiling::asked(scene, options)?;
     let settings = &scene.settings;
     room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
@@ -75,7 +80,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
-        let mut worker = Worker::new(scene, accel, &stages, options, &eye_media, observer);
+        let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &eye_media, observer);
         let mut results = Vec::new();
         while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             worker.tile(&tile)?;
@@ -136,7 +141,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
 /// of it written down: radiance and truncated weight as the picture has them, to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop.
+/// [`Error::Interrupted`] when the observer said stop; [`Error::Usage`] where rays carry polarisation or budgets.
 pub fn recorded<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -148,7 +153,13 @@ pub fn recorded<I: Intersector>(
     let scene = &*effects::without(scene, options.effects.without);
     let eye_media = eye::media_around(scene, accel);
     let stages = Stages::of(scene, &plan.reach, &eye_media, options);
-    let mut worker = Worker::new(scene, accel, &stages, options, &eye_media, observer);
+    if stages.carries {
+        return Err(Error::Usage(String::from(
+            "the rays of a pixel are written down in eight lanes neither with polarisation nor under a proven cut-off; \
+             take another --fresnel",
+        )));
+    }
+    let mut worker = Worker::new(scene, accel, &stages, options, None, &eye_media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
     let (radiance, truncated) = worker.shading.accumulator.mean(0, samples);

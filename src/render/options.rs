@@ -30,6 +30,9 @@ pub struct Options {
     pub reflection: Reflection,
     /// Which effects are left out, and how stages are picked.
     pub effects: effects::Options,
+    /// Cuts rays by a proven bound instead of by their weight (`Settings::cutoff`): what is cut changes no channel of any
+    /// pixel by more than this, which is above 0. The depth limit cuts all the same.
+    pub cutoff_error: Option<f32>,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
     /// Edge of a square tile in pixels, at least 1.
@@ -44,6 +47,7 @@ impl Default for Options {
             oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
             effects: effects::Options::default(),
+            cutoff_error: None,
             threads: 0,
             tile: 32,
         }

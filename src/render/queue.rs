@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::accumulate::set_lanes;
+use super::extra::Extra8;
 use super::media::StackId;
 use crate::geometry::{GeometryMask, Ray8};
 use crate::simd::{F32x8, Vec3x8};
@@ -44,6 +45,10 @@ pub struct Queue {
     pub rays: Vec<Ray8>,
     /// One for each packet.
     pub states: Vec<State8>,
+    /// One for each packet, where `carries`; else none.
+    pub extras: Vec<Extra8>,
+    /// Whether rays carry extras.
+    carries: bool,
     /// Rays in all.
     len: usize,
 }
@@ -69,9 +74,19 @@ pub struct Spawn8<'a> {
     pub lead: F32x8,
     /// Surfaces passed that were not there.
     pub passes: &'a [u16; 8],
+    /// Place of the surface they leave in the stream at hand, as [`super::surface::Surface8`] has it.
+    pub place: u32,
+    /// What they carry, where extras are carried and they do not start afresh.
+    pub extra: Option<&'a Extra8>,
 }
 
 impl Queue {
+    /// An empty one, whose rays carry extras or not.
+    #[must_use]
+    pub fn new(carries: bool) -> Self {
+        Self { carries, ..Self::default() }
+    }
+
     /// How many rays wait.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -87,6 +102,9 @@ impl Queue {
     /// Appends the lanes in `lanes`, lowest first, filling packets without gaps.
     #[inline]
     pub fn push8(&mut self, lanes: u8, new: &Spawn8) {
+        if self.carries {
+            self.push_extras(lanes, new);
+        }
         for lane in set_lanes(lanes) {
             let slot = self.len % 8;
             if slot == 0 {
@@ -117,11 +135,26 @@ impl Queue {
         }
     }
 
+    /// The extras of rays that are about to be pushed.
+    #[cold]
+    fn push_extras(&mut self, lanes: u8, new: &Spawn8) {
+        let extra = new.extra.copied().unwrap_or_else(|| Extra8::fresh(new.dir));
+        for (slot, lane) in (self.len..).zip(set_lanes(lanes)) {
+            if slot / 8 == self.extras.len() {
+                self.extras.push(Extra8::default());
+            }
+            self.extras[slot / 8].put(slot % 8, &extra, lane);
+        }
+    }
+
     /// Moves the last packets, `packets` of them at most, to the end of `chunk`.
     pub fn take(&mut self, packets: usize, chunk: &mut Chunk) {
         let keep = self.rays.len().saturating_sub(packets);
         chunk.rays.extend(self.rays.drain(keep..));
         chunk.states.extend(self.states.drain(keep..));
+        if self.carries {
+            chunk.extras.extend(self.extras.drain(keep..));
+        }
         // What stays is full packets only.
         self.len = keep * 8;
     }
@@ -134,6 +167,8 @@ pub struct Chunk {
     pub rays: Vec<Ray8>,
     /// One for each packet of rays.
     pub states: Vec<State8>,
+    /// One for each packet of rays, where extras are carried; else none.
+    pub extras: Vec<Extra8>,
 }
 
 impl Chunk {
@@ -141,6 +176,7 @@ impl Chunk {
     pub fn clear(&mut self) {
         self.rays.clear();
         self.states.clear();
+        self.extras.clear();
     }
 
     /// Active rays.

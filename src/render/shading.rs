@@ -1,21 +1,43 @@
 //! What the stages of one thread share: the scene, the sums of its pixels and the rays that wait. Knows no accelerator.
 
 use super::accumulate::Accumulator;
+use super::budget::divide;
+use super::ceiling::Ceiling;
+use super::extra::Extra8;
 use super::media::{MediaTable, StackId};
 use super::options::Options;
 use super::outcome::{RayCounts, RayKind, StreamCounts};
 use super::pattern::LampPoints;
-use super::queue::{Queue, Rgb8, Spawn8};
+use super::queue::{Chunk, Queue, Rgb8, Spawn8};
 use super::soft::Probes;
 use super::split::mirrored::{self, ReflectStage};
-use super::surface::Surface8;
+use super::stages::Stages;
+use super::surface::{HitRef, Surface8};
 use super::tile::Tile;
 use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{Oliveira, Spectrum, transmittance};
 use crate::scene::{Interface, Medium, Rgb, Scene};
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8};
+
+/// What makes up for tolls that were rounded down to `f32`.
+const ROUNDED_UP: f32 = 1.0 + 1e-6;
+
+/// Rays whose end is still to be decided.
+#[derive(Clone, Debug)]
+struct Held {
+    lanes: u8,
+    kind: RayKind,
+    origin: Vec3x8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    pixel: [u32; 8],
+    stack: [StackId; 8],
+    lead: F32x8,
+    place: u32,
+    extra: Extra8,
+}
 
 /// Everything a stage reads and writes, kept from tile to tile.
 #[derive(Debug)]
@@ -32,6 +54,14 @@ pub struct Shading<'a> {
     pub max_depth: usize,
     /// The weight below which rays end.
     pub cutoff: f32,
+    /// Whether rays carry extras.
+    pub carries: bool,
+    /// Extras of the rays that met the surfaces of the stream at hand, by place; none where none are carried.
+    pub extras: Vec<Extra8>,
+    /// What rays of weight 1 cost at most, where a budget decides which end.
+    pub tolls: Option<&'a Ceiling>,
+    /// Rays of the stream at hand for which that is still to be decided.
+    held: Vec<Held>,
     pub accumulator: Accumulator,
     pub counts: RayCounts,
     pub unmatched_exits: u64,
@@ -51,7 +81,7 @@ pub struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     /// Nothing summed and nothing queued.
-    pub fn new(scene: &'a Scene, options: &Options, shadow_admits: GeometryMask) -> Self {
+    pub fn new(scene: &'a Scene, options: &Options, stages: &Stages, tolls: Option<&'a Ceiling>) -> Self {
         let settings = &scene.settings;
         let media = if disperses(scene, options) {
             MediaTable::dispersing(&scene.media, Spectrum::new(settings.wavelengths, settings.samples))
@@ -63,7 +93,11 @@ impl<'a> Shading<'a> {
             media,
             oliveira: options.oliveira,
             reflect: mirrored::pick(options.reflection, scene),
-            shadow_admits,
+            shadow_admits: stages.shadow_admits,
+            carries: stages.carries,
+            extras: Vec::new(),
+            tolls,
+            held: Vec::new(),
             max_depth: scene.settings.max_depth as usize,
             cutoff: scene.settings.cutoff,
             accumulator: Accumulator::default(),
@@ -72,9 +106,9 @@ impl<'a> Shading<'a> {
             streams: StreamCounts::default(),
             total_is_lost: options.effects.without.has(Effect::TotalInternalReflection),
             queues: Vec::new(),
-            shadows: Queue::default(),
+            shadows: Queue::new(stages.carries),
             points: LampPoints::new(&scene.settings.lamps),
-            probes: Probes::default(),
+            probes: Probes { queue: Queue::new(stages.carries), ..Probes::default() },
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }
@@ -89,7 +123,8 @@ impl<'a> Shading<'a> {
     /// The queue for rays of one kind at one depth.
     pub fn queue(&mut self, kind: RayKind, depth: usize) -> &mut Queue {
         if self.queues.len() <= depth {
-            self.queues.resize_with(depth + 1, Default::default);
+            let carries = self.carries;
+            self.queues.resize_with(depth + 1, || [Queue::new(carries), Queue::new(carries)]);
         }
         &mut self.queues[depth][usize::from(kind == RayKind::Transmitted)]
     }
@@ -109,6 +144,9 @@ impl<'a> Shading<'a> {
 
     /// Queues secondary rays of a hit at `depth`, but for those that the depth limit or the cut-off ends.
     pub fn spawn(&mut self, lanes: u8, new: &Spawn8, kind: RayKind, depth: usize) {
+        if self.tolls.is_some() {
+            return self.hold(lanes, new, kind);
+        }
         // Of a wavelength, a channel may weigh less than nothing.
         let heaviest = new.weight.abs().max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
@@ -118,6 +156,89 @@ impl<'a> Shading<'a> {
         let ended = if too_deep { carrying } else { carrying & light };
         self.accumulator.add_truncated8(ended, new.pixel, &new.weight);
         self.queue(kind, depth + 1).push8(carrying & !ended, new);
+    }
+
+    /// Keeps rays until all that their surface sends is known.
+    #[cold]
+    fn hold(&mut self, lanes: u8, new: &Spawn8, kind: RayKind) {
+        let carrying = lanes & !new.weight.max_component().eq(F32x8::ZERO).bits();
+        self.held.push(Held {
+            lanes: carrying,
+            kind,
+            origin: new.origin,
+            dir: new.dir,
+            weight: new.weight,
+            pixel: *new.pixel,
+            stack: *new.stack,
+            lead: new.lead,
+            place: new.place,
+            extra: new.extra.copied().unwrap_or(self.extras[new.place as usize]),
+        });
+    }
+
+    /// Divides the budgets of the rays of depth `depth` that met the surfaces of the stream at hand, and queues what
+    /// they pay for.
+    pub fn settle(&mut self, depth: usize) {
+        let Some(tolls) = self.tolls else { return };
+        let toll = Vec3x8::splat(tolls.at(depth + 1).as_vec3() * ROUNDED_UP);
+        let too_deep = depth >= self.max_depth;
+        let held = std::mem::take(&mut self.held);
+        for family in held.chunk_by(|a, b| a.place == b.place) {
+            let costs = |ray: &Held| {
+                let zero = Vec3x8::splat(Rgb::ZERO);
+                Vec3x8::select(Mask8::from_bits(ray.lanes), ray.weight.times(toll), zero)
+            };
+            let mut budget = self.extras[family[0].place as usize].budget();
+            // Lanes in which all that is left is paid for.
+            let mut paid = 0_u8;
+            for (k, ray) in family.iter().enumerate() {
+                let rest = family[k + 1..].iter().fold(Vec3x8::splat(Rgb::ZERO), |sum, other| sum + costs(other));
+                let division = divide(budget, [costs(ray), rest]);
+                let cut = division.cut[0].bits() | paid;
+                paid |= division.cut[1].bits();
+                budget = division.budget[1];
+                let ended = if too_deep { ray.lanes } else { ray.lanes & cut };
+                self.accumulator.add_truncated8(ended, &ray.pixel, &ray.weight);
+                let mut extra = ray.extra;
+                extra.set_budget(division.budget[0]);
+                let new = Spawn8 {
+                    origin: ray.origin,
+                    dir: ray.dir,
+                    t_max: F32x8::INFINITY,
+                    admits: GeometryMask::ALL,
+                    weight: ray.weight,
+                    pixel: &ray.pixel,
+                    stack: &ray.stack,
+                    lead: ray.lead,
+                    passes: &[0; 8],
+                    place: ray.place,
+                    extra: Some(&extra),
+                };
+                self.queue(ray.kind, depth + 1).push8(ray.lanes & !ended, &new);
+            }
+        }
+        self.held = held;
+        self.held.clear();
+    }
+
+    /// Looks up the extras of the rays that met a stream of surfaces, and numbers these.
+    pub fn carry(&mut self, chunk: &Chunk, refs: &[HitRef], surfaces: &mut [Surface8]) {
+        self.extras.clear();
+        for ((place, surface), refs) in surfaces.iter_mut().enumerate().zip(refs.chunks(8)) {
+            surface.place = place as u32;
+            let mut extra = Extra8::default();
+            for k in 0..8 {
+                let r = refs[k.min(refs.len() - 1)] as usize;
+                extra.put(k, &chunk.extras[r >> 3], r & 7);
+            }
+            self.extras.push(extra);
+        }
+    }
+
+    /// What the rays that met a surface carry, where anything is carried.
+    #[inline(always)]
+    pub fn extra(&self, surface: &Surface8) -> Option<Extra8> {
+        self.extras.get(surface.place as usize).copied()
     }
 
     /// The interface of each lane's material.

@@ -125,6 +125,9 @@ impl<I: Intersector> Worker<'_, I> {
                 for stream in refs.chunks(STREAM) {
                     self.shading.streams.count(Stage::Pass);
                     (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.shadow_surfaces);
+                    if self.shading.carries {
+                        self.shading.carry(chunk, stream, &mut self.shadow_surfaces);
+                    }
                     (stages.pass)(&mut self.shading, chunk, &hits, stream, &self.shadow_surfaces);
                 }
             }

@@ -197,6 +197,8 @@ impl<'a, L: Lamp> Shine<'a, L> {
             stack: &self.surface.stack,
             lead: self.surface.lead(sent.dir),
             passes: &[0; 8],
+            place: self.surface.place,
+            extra: None,
         }
     }
 }

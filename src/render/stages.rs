@@ -17,7 +17,7 @@ use super::surface::{self, GatherStage, Shapes};
 use super::through::{self, FinishStage, PassStage};
 use crate::effects::{Pipeline, Reach};
 use crate::geometry::GeometryMask;
-use crate::optics::RefractionModel;
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::{Colour, Interface, Material, Rgb, Scene, ShadowRule};
 
 /// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
@@ -33,6 +33,8 @@ pub struct Stages {
     pub medium: Option<MediumStage>,
     /// What rays see that meet nothing; none where that is black.
     pub miss: Option<MissStage>,
+    /// Whether rays carry extras.
+    pub carries: bool,
     /// By bin; none where no object has such a surface, or nothing comes of meeting one.
     pub bins: [Option<BinStages>; BINS],
     /// What stops a shadow ray at once.
@@ -86,6 +88,7 @@ impl Stages {
             refraction: options.bending(),
             medium: absorbing.then_some(medium::absorb as MediumStage),
             miss: if call.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
+            carries: options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some(),
             bins: std::array::from_fn(|bin| call.bin(bin)),
             shadow_admits: if march.is_some() { GeometryMask::OPAQUE } else { GeometryMask::ALL },
             march,

@@ -41,6 +41,8 @@ pub struct Surface8 {
     pub stack: [StackId; 8],
     /// Surfaces passed that were not there.
     pub passes: [u16; 8],
+    /// Its number in the stream at hand, where rays carry extras; else 0.
+    pub place: u32,
     /// Lanes whose base counts: all that are active, unless the split stage finds a surface not to be there.
     pub base_lanes: u8,
     /// Weight of the base: that of the ray, unless the split stage leaves it less.
@@ -163,6 +165,7 @@ impl Surface8 {
             pixel,
             stack,
             passes,
+            place: 0,
             base_lanes: active,
             base_weight: weight,
         }

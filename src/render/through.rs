@@ -3,11 +3,10 @@
 use super::media::StackId;
 use super::queue::{Chunk, Rgb8};
 use super::shading::Shading;
-use super::split::gather_boundaries;
+use super::split::{Optics, Polarised, Unpolarised, gather_boundaries};
 use super::surface::{HitRef, Surface8};
 use crate::geometry::Hit8;
-use crate::math::Real;
-use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, FresnelModel, Schlick, thin_reflectance};
+use crate::optics::{AtNormal, Boundary, Exact, FresnelModel, Schlick};
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
@@ -21,12 +20,14 @@ pub type FinishStage = fn(&Shading, &mut Chunk, usize, u8);
 #[must_use]
 pub fn pick(model: FresnelModel, absorbing: bool) -> PassStage {
     match (model, absorbing) {
-        (FresnelModel::Exact, false) => pass::<Exact, false>,
-        (FresnelModel::Exact, true) => pass::<Exact, true>,
-        (FresnelModel::Schlick, false) => pass::<Schlick, false>,
-        (FresnelModel::Schlick, true) => pass::<Schlick, true>,
-        (FresnelModel::Off, false) => pass::<AtNormal, false>,
-        (FresnelModel::Off, true) => pass::<AtNormal, true>,
+        (FresnelModel::Exact, false) => pass::<Unpolarised<Exact>, false>,
+        (FresnelModel::Exact, true) => pass::<Unpolarised<Exact>, true>,
+        (FresnelModel::Polarised, false) => pass::<Polarised, false>,
+        (FresnelModel::Polarised, true) => pass::<Polarised, true>,
+        (FresnelModel::Schlick, false) => pass::<Unpolarised<Schlick>, false>,
+        (FresnelModel::Schlick, true) => pass::<Unpolarised<Schlick>, true>,
+        (FresnelModel::Off, false) => pass::<Unpolarised<AtNormal>, false>,
+        (FresnelModel::Off, true) => pass::<Unpolarised<AtNormal>, true>,
     }
 }
 
@@ -39,7 +40,7 @@ pub fn finish(shading: &Shading, chunk: &mut Chunk, packet: usize, lanes: u8) {
     }
 }
 
-fn pass<F: FresnelFormula, const ABSORBING: bool>(
+fn pass<O: Optics, const ABSORBING: bool>(
     shading: &mut Shading,
     chunk: &mut Chunk,
     hits: &[Hit8],
@@ -58,8 +59,10 @@ fn pass<F: FresnelFormula, const ABSORBING: bool>(
             }
         }
         let mut beyond = surface.stack;
-        let passed = passed::<F>(shading, surface, &mut beyond);
+        let before = O::before(shading, surface, surface.normal);
+        let (passed, carried) = passed::<O>(shading, surface, &mut beyond, &before);
         weight = weight.times(passed);
+        let extra = O::along(&carried, surface.incident);
         let origin = surface.below();
         let lead = surface.lead(surface.incident);
         for (k, &r) in refs.iter().enumerate() {
@@ -72,6 +75,9 @@ fn pass<F: FresnelFormula, const ABSORBING: bool>(
             state.weight.set_lane(lane, weight.lane(k));
             state.stack[lane] = beyond[k];
             state.lead.set_lane(lane, lead.lane(k));
+            if let Some(extra) = &extra {
+                chunk.extras[packet].put(lane, extra, k);
+            }
             if weight.lane(k) == Rgb::ZERO {
                 ray.active &= !(1 << lane);
             }
@@ -81,7 +87,12 @@ fn pass<F: FresnelFormula, const ABSORBING: bool>(
 
 /// What each of eight transmissive surfaces lets through unbent, and the media behind it.
 #[inline(always)]
-fn passed<F: FresnelFormula>(shading: &mut Shading, surface: &Surface8, beyond: &mut [StackId; 8]) -> Rgb8 {
+fn passed<O: Optics>(
+    shading: &mut Shading,
+    surface: &Surface8,
+    beyond: &mut [StackId; 8],
+    before: &O::Carried,
+) -> (Rgb8, O::Carried) {
     let mut boundaries = [Boundary::<f32>::new(1.0, 1.0); 8];
     let mut tint = Vec3x8::splat(Rgb::ONE);
     let mut fixed = Vec3x8::splat(Rgb::ZERO);
@@ -119,8 +130,7 @@ fn passed<F: FresnelFormula>(shading: &mut Shading, surface: &Surface8, beyond: 
     let boundary = gather_boundaries(|k| boundaries[k]);
     let cos_i = -surface.incident.dot(surface.normal);
     let at = boundary.cross(cos_i);
-    let face = F::dielectric(&boundary, &at);
-    let reflectance = Real::select(Mask8::from_bits(thin), thin_reflectance(face), face);
-    let reflected = Vec3x8::select(Mask8::from_bits(by_rule) & !at.total, fixed, Vec3x8::all(reflectance));
-    (Vec3x8::splat(Rgb::ONE) - reflected).times(tint)
+    let rule = (Mask8::from_bits(by_rule), fixed);
+    let reflected = O::through(&boundary, &at, Mask8::from_bits(thin), rule, before);
+    ((Vec3x8::splat(Rgb::ONE) - reflected.share).times(tint), reflected.carried)
 }

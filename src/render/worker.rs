@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use super::accumulate::set_lanes;
 use super::camera::{Lens, sample_offset};
+use super::ceiling::Ceiling;
 use super::class::{BINS, bin_of};
+use super::extra::Extra8;
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::{RayKind, Stage};
@@ -67,10 +69,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
         accel: &'a I,
         stages: &'a Stages,
         options: &Options,
+        tolls: Option<&'a Ceiling>,
         eye_media: &'a [u32],
         observer: &'a Observer,
     ) -> Self {
-        let mut shading = Shading::new(scene, options, stages.shadow_admits);
+        let mut shading = Shading::new(scene, options, stages, tolls);
         let eye_stack = shading.media.stack_of(eye_media);
         let bin = |object: &crate::scene::Object| bin_of(&scene.materials[object.material as usize]) as u8;
         Self {
@@ -152,6 +155,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 lead: F32x8::ZERO,
                 passes: [0; 8],
             });
+            if self.shading.carries {
+                chunk.extras.push(Extra8::fresh(dir));
+            }
         }
     }
 
@@ -183,6 +189,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
             for stream in refs.chunks(STREAM) {
                 self.shading.streams.count(Stage::Gather);
                 (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.surfaces);
+                if self.shading.carries {
+                    self.shading.carry(chunk, stream, &mut self.surfaces);
+                }
                 self.shade(stages, depth, coherence);
             }
             self.bins[bin] = refs;
@@ -197,6 +206,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         if let Some((stage, split)) = stages.split {
             self.shading.streams.count(stage);
             split(&mut self.shading, &mut self.surfaces, depth);
+            self.shading.settle(depth);
         }
         let Some(base) = stages.base else { return };
         self.shading.streams.count(Stage::Base);

@@ -241,6 +241,7 @@ impl fmt::Display for Level {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match *self {
             Self::Fresnel(FresnelModel::Exact) | Self::Spheres(Spheres::Exact) => f.write_str("exact"),
+            Self::Fresnel(FresnelModel::Polarised) => f.write_str("polarised"),
             Self::Fresnel(FresnelModel::Schlick) => f.write_str("schlick"),
             Self::Fresnel(FresnelModel::Off) => f.write_str("off"),
             Self::Refraction(RefractionModel::Stable, _) => f.write_str("stable"),

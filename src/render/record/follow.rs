@@ -360,7 +360,7 @@ fn alone(chunk: &Chunk, packet: usize, lane: usize) -> Chunk {
         lead: all(state.lead),
         passes: [state.passes[lane]; 8],
     };
-    Chunk { rays: vec![ray], states: vec![state] }
+    Chunk { rays: vec![ray], states: vec![state], extras: Vec::new() }
 }
 
 /// What is written down of a ray as it is sent.

@@ -5,12 +5,13 @@ use glam::DVec3;
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
 use super::media::{MediumStack, Meeting};
-use super::split::{reflectance, share};
+use super::polarisation::Polarisation;
+use super::split::{Ways, at_boundary, at_pane};
 use super::{Prepared, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
 use crate::math::Vector3;
-use crate::optics::{Boundary, thin_reflectance, transmittance};
+use crate::optics::{Boundary, FresnelModel, transmittance};
 use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule, Spread};
 
 /// Transmissive surfaces that light passes on its way, at most; more count as an opaque one.
@@ -124,6 +125,8 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>)
         transmittance(absorption.into(), distance).into()
     };
     let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, t_max: end_of(ray), ..*ray };
+    // What the surface makes of the light depends on none of its polarisation, but what lets it through does.
+    let mut carried = (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(ray.dir));
     let crossings = surface::crossings(scene, &prepared.accel, &marched);
     if crossings.len() > MARCHED_AT_MOST {
         return (DVec3::ZERO, 0);
@@ -135,14 +138,16 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>)
         share_left *= absorbed(&stack, crossing.t - reached);
         reached = crossing.t;
         let cos = crossing.cos;
+        let before = carried.map(|carried| carried.facing(ray.dir, crossing.outward));
         match prepared.material(crossing.geometry).interface {
             Interface::Dielectric { medium, rule, tint } => match stack.meet(scene, medium, crossing.front) {
                 Meeting::NotThere(beyond) => stack = beyond,
                 Meeting::Boundary { from, to, beyond, unmatched } => {
                     let (n1, n2) = (prepared.ior(from, nm), prepared.ior(to, nm));
                     let boundary = Boundary::new(n1.min(n2), n1.max(n2));
-                    let r = reflectance(prepared.fresnel, &boundary, &boundary.cross(cos));
-                    share_left *= (DVec3::ONE - share(rule, false, r)) * tint.as_dvec3();
+                    let Ways { on, .. } = at_boundary(prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                    share_left *= on.share * tint.as_dvec3();
+                    carried = on.polarisation;
                     unmatched_exits += u64::from(unmatched);
                     stack = beyond;
                 }
@@ -150,8 +155,9 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>)
             Interface::ThinDielectric { ior, rule, tint } => {
                 let boundary = Boundary::new(prepared.ior(stack.top(scene), nm), f64::from(ior));
                 let at = boundary.cross(cos);
-                let r = thin_reflectance(reflectance(prepared.fresnel, &boundary, &at));
-                share_left *= (DVec3::ONE - share(rule, at.total, r)) * tint.as_dvec3();
+                let Ways { on, .. } = at_pane(prepared.fresnel, rule, &boundary, &at, before);
+                share_left *= on.share * tint.as_dvec3();
+                carried = on.polarisation;
             }
             Interface::Alpha { opacity } => share_left *= 1.0 - f64::from(opacity),
             // Only a wrong geometry mask brings one of these here; it blocks all the same.

@@ -11,6 +11,7 @@ mod condition;
 mod disperse;
 mod light;
 mod media;
+mod polarisation;
 mod split;
 mod surface;
 mod tally;
@@ -21,6 +22,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
 use super::{FilmRay, Observer, Options, Outcome, Reflection, StreamCounts};
@@ -46,6 +48,9 @@ pub struct Prepared<'a> {
     reflection: Reflection,
     /// Whether light ends where it would be reflected totally.
     total_is_lost: bool,
+    /// What a ray of weight 1 can bring at most, over the error that cutting it may make, where that is asked for; or why
+    /// it cannot be had.
+    tolls: std::result::Result<Option<Ceiling>, String>,
     /// What camera rays start in.
     stack: MediumStack,
     /// Where lamps with an extent are sampled.
@@ -70,9 +75,11 @@ impl<'a> Prepared<'a> {
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
         let stack = media::around_the_eye(scene, &accel);
-        let points = LampPoints::new(&scene.settings.lamps);
-        let spectrum = Spectrum::new(scene.settings.wavelengths, scene.settings.samples);
-        Self { scene, accel, fresnel, refraction, oliveira, reflection, total_is_lost, stack, points, spectrum }
+        let settings = &scene.settings;
+        let points = LampPoints::new(&settings.lamps);
+        let spectrum = Spectrum::new(settings.wavelengths, settings.samples);
+        let tolls = Ceiling::asked(scene, options).map_err(|reason| reason.to_string());
+        Self { scene, accel, fresnel, refraction, oliveira, reflection, total_is_lost, tolls, stack, points, spectrum }
     }
 
     /// What was built.
@@ -166,7 +173,7 @@ struct Row {
 ///
 /// # Errors
 /// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads or memory for
-/// the picture cannot be had.
+/// the picture cannot be had; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
     super::room::check(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
@@ -178,6 +185,9 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
 /// # Errors
 /// As [`render`].
 pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> Result<Outcome> {
+    if let Err(reason) = &prepared.tolls {
+        return Err(Error::Usage(reason.clone()));
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build()

@@ -1,35 +1,117 @@
-//! How a boundary divides light, for one ray.
+//! How a surface divides light, for one ray.
 
 use glam::DVec3;
 
+use super::polarisation::Polarisation;
 use crate::math::Vector3;
-use crate::optics::{AtNormal, Boundary, Crossing, Exact, FresnelFormula, FresnelModel, Schlick};
+use crate::optics::{
+    AtNormal, Boundary, Crossing, Exact, FresnelFormula, FresnelModel, Mueller, Schlick, thin_reflectance,
+};
 use crate::scene::FresnelRule;
 
-/// Reflectance of a dielectric boundary by the chosen formula.
-pub(super) fn reflectance(model: FresnelModel, boundary: &Boundary<f64>, at: &Crossing<f64>) -> f64 {
+/// A way that light goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// The share of it, per channel; tints not counted.
+    pub share: DVec3,
+    /// What is carried on, where polarisation is, in the frame of the plane of incidence.
+    pub polarisation: Option<Polarisation>,
+}
+
+/// Both ways at a transparent surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ways {
+    /// Reflected.
+    pub back: Way,
+    /// Refracted or straight on.
+    pub on: Way,
+}
+
+/// At a boundary, for a ray that brings `before`, in the frame of its plane of incidence.
+pub(super) fn at_boundary(
+    model: FresnelModel,
+    rule: FresnelRule,
+    boundary: &Boundary<f64>,
+    at: &Crossing<f64>,
+    before: Option<Polarisation>,
+) -> Ways {
+    match (rule, before) {
+        (FresnelRule::Fixed(share), _) if !at.total => fixed(share.as_dvec3(), before),
+        (_, None) => plain(reflectance(model, boundary, at)),
+        (_, Some(before)) => {
+            ways(&before, [Mueller::reflected(boundary, at); 3], [Mueller::refracted(boundary, at); 3])
+        }
+    }
+}
+
+/// At a pane, by the boundary to its inside.
+pub(super) fn at_pane(
+    model: FresnelModel,
+    rule: FresnelRule,
+    boundary: &Boundary<f64>,
+    at: &Crossing<f64>,
+    before: Option<Polarisation>,
+) -> Ways {
+    match (rule, before) {
+        (FresnelRule::Fixed(share), _) if !at.total => fixed(share.as_dvec3(), before),
+        (_, None) => plain(thin_reflectance(reflectance(model, boundary, at))),
+        (_, Some(before)) => {
+            let (back, on) = Mueller::reflected(boundary, at).pane(at.total);
+            ways(&before, [back; 3], [on; 3])
+        }
+    }
+}
+
+/// At a metal.
+pub(super) fn at_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3, before: Option<Polarisation>) -> Way {
+    match before {
+        None => Way { share: of_metal(model, cos_i, eta, k), polarisation: None },
+        Some(before) => {
+            let surface = std::array::from_fn(|c| Mueller::metal(cos_i, eta[c], k[c]));
+            Way { share: before.gain(&surface), polarisation: Some(before.then(&surface)) }
+        }
+    }
+}
+
+/// At a mirror of a fixed reflectance, which treats both polarisations alike.
+pub(super) fn at_mirror(share: DVec3, before: Option<Polarisation>) -> Way {
+    Way { share, polarisation: before.map(|before| before.then(&[Mueller::mirror(1.0); 3])) }
+}
+
+fn plain(r: f64) -> Ways {
+    let way = |share| Way { share: DVec3::splat(share), polarisation: None };
+    Ways { back: way(r), on: way(1.0 - r) }
+}
+
+/// A fixed share knows of no polarisation: both ways keep it as it is, but for what a mirror turns over.
+fn fixed(share: DVec3, before: Option<Polarisation>) -> Ways {
+    Ways { back: at_mirror(share, before), on: Way { share: DVec3::ONE - share, polarisation: before } }
+}
+
+fn ways(before: &Polarisation, back: [Mueller<f64>; 3], on: [Mueller<f64>; 3]) -> Ways {
+    let share = before.gain(&back);
+    Ways {
+        back: Way { share, polarisation: Some(before.then(&back)) },
+        on: Way { share: DVec3::ONE - share, polarisation: Some(before.then(&on)) },
+    }
+}
+
+/// Reflectance of a dielectric boundary by the chosen formula, for unpolarised light.
+fn reflectance(model: FresnelModel, boundary: &Boundary<f64>, at: &Crossing<f64>) -> f64 {
     match model {
-        FresnelModel::Exact => Exact::dielectric(boundary, at),
+        FresnelModel::Exact | FresnelModel::Polarised => Exact::dielectric(boundary, at),
         FresnelModel::Schlick => Schlick::dielectric(boundary, at),
         FresnelModel::Off => AtNormal::dielectric(boundary, at),
     }
 }
 
-/// Reflectance of a metal by the chosen formula.
-pub(super) fn of_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3) -> DVec3 {
+/// Reflectance of a metal by the chosen formula, for unpolarised light.
+fn of_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3) -> DVec3 {
     let (eta, k): (Vector3<f64>, Vector3<f64>) = (eta.into(), k.into());
     match model {
-        FresnelModel::Exact => Exact::conductor_rgb(cos_i, eta, k),
+        FresnelModel::Exact | FresnelModel::Polarised => Exact::conductor_rgb(cos_i, eta, k),
         FresnelModel::Schlick => Schlick::conductor_rgb(cos_i, eta, k),
         FresnelModel::Off => AtNormal::conductor_rgb(cos_i, eta, k),
     }
     .into()
-}
-
-/// The reflected share: a fixed one where the rule says so and reflection is not total.
-pub(super) fn share(rule: FresnelRule, total: bool, fresnel: f64) -> DVec3 {
-    match rule {
-        FresnelRule::Fixed(share) if !total => share.as_dvec3(),
-        _ => DVec3::splat(fresnel),
-    }
 }

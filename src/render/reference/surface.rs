@@ -107,6 +107,8 @@ pub(super) struct Crossing {
     pub front: bool,
     /// Cosine between the ray and the normal, above 0.
     pub cos: f64,
+    /// Unit normal of the surface, on its outside.
+    pub outward: DVec3,
 }
 
 /// Every surface along `ray`, in order. Where it passes through an edge or a corner that triangles of one mesh share,
@@ -116,7 +118,8 @@ pub(super) fn crossings(scene: &Scene, accel: &Reference, ray: &Ray64) -> Vec<Cr
     for hit in accel.all_hits(ray) {
         let surface = Surface::at(scene, ray, &hit);
         let along = surface.outward.dot(ray.dir) / ray.dir.length();
-        let crossing = Crossing { t: hit.t, geometry: hit.geometry, front: along < 0.0, cos: along.abs() };
+        let (front, cos, outward) = (along < 0.0, along.abs(), surface.outward);
+        let crossing = Crossing { t: hit.t, geometry: hit.geometry, front, cos, outward };
         let same_place = surface.clearance / (along.abs() * ray.dir.length());
         let again = found.iter().rev().take_while(|o| crossing.t - o.t <= same_place);
         if !again.clone().any(|o| o.geometry == crossing.geometry && o.front == crossing.front) {

@@ -5,18 +5,20 @@ use glam::DVec3;
 use super::disperse::Dispersing;
 use super::light::{Arriving, blocker, let_through};
 use super::media::{MediumStack, Meeting};
-use super::split::{of_metal, reflectance, share};
+use super::polarisation::Polarisation;
+use super::split::{Way, Ways, at_boundary, at_metal, at_mirror, at_pane};
 use super::surface::Surface;
 use super::{Prepared, Tally, colour};
 use crate::accel::reference::Ray64;
 use crate::math::Vector3;
 use crate::optics::{
-    Bands, Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
-    StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, thin_reflectance, transmittance,
+    Bands, Bec, Boundary, Crossing, FresnelModel, Heckbert, Refracted, RefractionFormula, RefractionModel,
+    SlidesVector, Stable, StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, transmittance,
 };
+use crate::render::budget::{self, Division, divide};
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
 use crate::render::{FilmRay, RayKind, Reflection};
-use crate::scene::{Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
+use crate::scene::{FresnelRule, Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
 
 /// Surfaces that are "not there" in a row, at most.
 const PASSED_AT_MOST: u32 = 256;
@@ -35,6 +37,10 @@ pub(super) struct Pending {
     pub stack: MediumStack,
     /// Surfaces in a row that were not there.
     pub passed: u32,
+    /// What its path does to polarised light, where that is carried.
+    pub polarisation: Option<Polarisation>,
+    /// What may still be cut of it, as [`budget`] has it.
+    pub budget: DVec3,
     /// Its place in the record, where one is kept.
     pub node: Node,
 }
@@ -48,6 +54,18 @@ pub(super) struct Arrival<'a> {
     pub geometric: DVec3,
     pub shading: DVec3,
     pub cos_i: f64,
+    /// The ray's polarisation in the frame of the plane of incidence.
+    pub before: Option<Polarisation>,
+}
+
+/// A ray that a surface would send.
+struct Branch {
+    kind: RayKind,
+    dir: DVec3,
+    weight: DVec3,
+    nm: Option<f64>,
+    stack: MediumStack,
+    polarisation: Option<Polarisation>,
 }
 
 /// What a light, or some points of it, added.
@@ -75,6 +93,8 @@ pub(super) struct Tracer<'a, 'r, L: Recorder> {
     pub bands: &'a Bands,
     tally: Tally,
     pending: Vec<Pending>,
+    /// What the surface at hand would send.
+    branches: Vec<Branch>,
     record: &'r mut L,
 }
 
@@ -90,11 +110,14 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             nm: None,
             stack: prepared.stack.clone(),
             passed: 0,
+            polarisation: (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(dir)),
+            budget: DVec3::splat(budget::WHOLE),
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
         let bands = &prepared.spectrum.sets()[prepared.spectrum.set_of(film.sample)];
-        let mut tracer = Self { prepared, film, bands, tally: Tally::default(), pending: vec![camera_ray], record };
+        let (tally, pending) = (Tally::default(), vec![camera_ray]);
+        let mut tracer = Self { prepared, film, bands, tally, pending, branches: Vec::new(), record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
@@ -138,8 +161,10 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let shading = shading_normal(ray.dir, geometric, &surface);
         let cos_i = -ray.dir.dot(shading);
         self.note(ray.node, |event| event.met = Met::Surface { object, primitive, point, front, cos_i });
-        let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i };
+        let before = ray.polarisation.map(|carried| carried.facing(ray.dir, shading));
+        let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i, before };
         self.meet(&arrival, meeting);
+        self.send_branches(&arrival);
     }
 
     /// Straight on through a surface that is not there.
@@ -187,31 +212,27 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         match at.material.interface {
             Interface::Opaque => {
                 self.split(at, Split::OPAQUE);
-                self.base(at, 1.0);
+                self.base(at, one);
             }
             Interface::Mirror { reflectance, source } => {
                 let reflected = reflectance.as_dvec3();
                 self.split(at, Split { reflected, absorbed: one - reflected, ..Split::OPAQUE });
-                self.base(at, 1.0);
+                self.base(at, one);
                 match source {
-                    MirrorSource::Traced => self.reflected(at, reflectance.as_dvec3()),
-                    MirrorSource::Environment => {
-                        let seen = colour::of_environment(scene, at.mirrored());
-                        let sent = at.ray.weight * reflectance.as_dvec3() * seen;
-                        self.add(at.ray.node, Source::MirroredEnvironment, sent);
-                    }
+                    MirrorSource::Traced => self.reflected(at, at_mirror(reflected, at.before)),
+                    MirrorSource::Environment => self.mirror_environment(at, reflected),
                 }
             }
             Interface::Conductor { eta, k } => {
-                self.base(at, 1.0);
+                self.base(at, one);
                 // A metal's index counts relative to what the light comes through.
                 let (eta, k) = (eta.as_dvec3() / here(), k.as_dvec3() / here());
-                let reflected = of_metal(prepared.fresnel, at.cos_i, eta, k);
-                self.split(at, Split { reflected, absorbed: one - reflected, ..Split::OPAQUE });
-                self.reflected(at, reflected);
+                let way = at_metal(prepared.fresnel, at.cos_i, eta, k, at.before);
+                self.split(at, Split { reflected: way.share, absorbed: one - way.share, ..Split::OPAQUE });
+                self.reflected(at, way);
             }
             Interface::Dielectric { rule, tint, .. } => {
-                self.base(at, 1.0);
+                self.base(at, one);
                 let Some(Meeting::Boundary { from, to, beyond, unmatched }) = meeting else { return };
                 self.tally.unmatched_exits += u64::from(unmatched);
                 let tint = tint.as_dvec3();
@@ -224,8 +245,9 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                     self.tally.truncated += at.ray.weight;
                     return;
                 }
-                let r = share(rule, crossing.total, reflectance(prepared.fresnel, &boundary, &crossing));
-                let transmitted = if crossing.total { DVec3::ZERO } else { (one - r) * tint };
+                let Ways { back, on } = at_boundary(prepared.fresnel, rule, &boundary, &crossing, at.before);
+                let through = if crossing.total { DVec3::ZERO } else { on.share };
+                let transmitted = through * tint;
                 let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
                 let bent = (!crossing.total && !total).then(|| match prepared.refraction {
                     RefractionModel::Stable => crossing.cos_t,
@@ -237,60 +259,61 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                         indices: Some((prepared.ior(from, nm), prepared.ior(to, nm))),
                         cos_t: bent,
                         total: crossing.total,
-                        reflected: r,
+                        reflected: back.share,
                         transmitted,
-                        absorbed: if crossing.total { DVec3::ZERO } else { (one - r) * (one - tint) },
+                        absorbed: through * (one - tint),
                     },
                 );
-                self.reflected(at, r);
+                self.reflected(at, back);
                 if !crossing.total {
-                    self.refracted(at, &boundary, &crossing, transmitted, beyond, nm);
+                    let way = Way { share: transmitted, ..on };
+                    self.refracted(at, &boundary, &crossing, way, beyond, nm);
                 }
             }
             Interface::ThinDielectric { ior, rule, tint } => {
-                self.base(at, 1.0);
+                self.base(at, one);
                 let boundary = Boundary::new(here(), f64::from(ior));
                 let crossing = boundary.cross(at.cos_i);
-                let r = thin_reflectance(reflectance(prepared.fresnel, &boundary, &crossing));
-                let r = share(rule, crossing.total, r);
+                let Ways { back, on } = at_pane(prepared.fresnel, rule, &boundary, &crossing, at.before);
                 let tint = tint.as_dvec3();
                 self.split(
                     at,
                     Split {
                         indices: Some((here(), f64::from(ior))),
                         total: crossing.total,
-                        reflected: r,
-                        transmitted: (one - r) * tint,
-                        absorbed: (one - r) * (one - tint),
+                        reflected: back.share,
+                        transmitted: on.share * tint,
+                        absorbed: on.share * (one - tint),
                         ..Split::OPAQUE
                     },
                 );
-                self.reflected(at, r);
-                self.straight(at, (one - r) * tint);
+                self.reflected(at, back);
+                self.straight(at, Way { share: on.share * tint, ..on });
             }
             Interface::Coated { ior } => {
                 let boundary = Boundary::new(here(), f64::from(ior));
                 let crossing = boundary.cross(at.cos_i);
-                let r = reflectance(prepared.fresnel, &boundary, &crossing);
+                let Ways { back, on } =
+                    at_boundary(prepared.fresnel, FresnelRule::Fresnel, &boundary, &crossing, at.before);
                 self.split(
                     at,
                     Split {
                         indices: Some((here(), f64::from(ior))),
                         total: crossing.total,
-                        reflected: DVec3::splat(r),
-                        absorbed: DVec3::splat(1.0 - r),
+                        reflected: back.share,
+                        absorbed: on.share,
                         ..Split::OPAQUE
                     },
                 );
-                self.base(at, 1.0 - r);
-                self.reflected(at, DVec3::splat(r));
+                self.base(at, on.share);
+                self.reflected(at, back);
             }
             Interface::Alpha { opacity } => {
                 let (absorbed, transmitted) =
                     (DVec3::splat(f64::from(opacity)), DVec3::splat(1.0 - f64::from(opacity)));
                 self.split(at, Split { transmitted, absorbed, ..Split::OPAQUE });
-                self.base(at, f64::from(opacity));
-                self.straight(at, DVec3::splat(1.0 - f64::from(opacity)));
+                self.base(at, absorbed);
+                self.straight(at, Way { share: transmitted, polarisation: at.before });
             }
         }
     }
@@ -301,84 +324,109 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         at: &Arrival,
         boundary: &Boundary<f64>,
         crossing: &Crossing<f64>,
-        share: DVec3,
+        way: Way,
         beyond: MediumStack,
         nm: Option<f64>,
     ) {
         let Refracted { direction, total } = self.prepared.refract(boundary, at, crossing);
         // Light that is not bent at all goes on as it came.
         if boundary.kc == 0.0 {
-            self.send_coloured(at, RayKind::Transmitted, at.ray.dir, share, beyond, nm);
+            self.send_coloured(at, RayKind::Transmitted, at.ray.dir, way, beyond, nm);
         } else if total {
-            let (kind, weight) = (RayKind::Transmitted, at.ray.weight * share);
-            self.tally.truncated += weight;
-            self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep: false, too_light: false }));
+            self.cut(at, RayKind::Transmitted, at.ray.weight * way.share, false, false);
         } else if at.surface.interpolated.is_some() {
             let dir = below_surface(direction, at.geometric.into());
-            self.send_coloured(at, RayKind::Transmitted, dir.into(), share, beyond, nm);
+            self.send_coloured(at, RayKind::Transmitted, dir.into(), way, beyond, nm);
         } else {
-            self.send_coloured(at, RayKind::Transmitted, direction.into(), share, beyond, nm);
+            self.send_coloured(at, RayKind::Transmitted, direction.into(), way, beyond, nm);
         }
     }
 
-    pub fn reflected(&mut self, at: &Arrival, share: DVec3) {
-        let weight = at.ray.weight * share;
+    /// What mirror-like reflection sees, by choice.
+    pub fn reflected(&mut self, at: &Arrival, way: Way) {
         match self.prepared.reflection {
-            Reflection::Traced => {}
-            Reflection::Environment => {
-                let seen = colour::of_environment(self.prepared.scene, at.mirrored());
-                self.add(at.ray.node, Source::MirroredEnvironment, weight * seen);
-                return;
-            }
-            Reflection::None => {
-                let cut = Cut { kind: RayKind::Reflected, weight, too_deep: false, too_light: false };
-                self.tally.truncated += weight;
-                self.note(at.ray.node, |event| event.cut.push(cut));
-                return;
-            }
+            Reflection::Traced => self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone()),
+            Reflection::Environment => self.mirror_environment(at, way.share),
+            Reflection::None => self.not_reflected(at, way.share),
         }
-        self.send(at, RayKind::Reflected, at.mirrored(), share, at.ray.stack.clone());
     }
 
-    fn straight(&mut self, at: &Arrival, share: DVec3) {
-        self.send(at, RayKind::Transmitted, at.ray.dir, share, at.ray.stack.clone());
+    fn mirror_environment(&mut self, at: &Arrival, share: DVec3) {
+        let seen = colour::of_environment(self.prepared.scene, at.mirrored());
+        self.add(at.ray.node, Source::MirroredEnvironment, at.ray.weight * share * seen);
     }
 
-    /// Queues a secondary ray of the wavelength that arrived, or counts its weight as truncated.
-    fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, share: DVec3, stack: MediumStack) {
-        self.send_coloured(at, kind, dir, share, stack, at.ray.nm);
+    /// Leaves a reflection out of the picture, and says what it weighed.
+    fn not_reflected(&mut self, at: &Arrival, share: DVec3) {
+        let weight = at.ray.weight * share;
+        if weight != DVec3::ZERO {
+            self.cut(at, RayKind::Reflected, weight, false, false);
+        }
     }
 
-    /// Queues a secondary ray, or counts its weight as truncated.
-    pub fn send_coloured(
+    fn straight(&mut self, at: &Arrival, way: Way) {
+        self.send(at, RayKind::Transmitted, at.ray.dir, way, at.ray.stack.clone());
+    }
+
+    /// Puts a secondary ray of the wavelength that arrived beside the others of its surface.
+    fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, way: Way, stack: MediumStack) {
+        self.send_coloured(at, kind, dir, way, stack, at.ray.nm);
+    }
+
+    /// Puts a secondary ray beside the others of its surface.
+    fn send_coloured(
         &mut self,
         at: &Arrival,
         kind: RayKind,
         dir: DVec3,
-        share: DVec3,
+        way: Way,
         stack: MediumStack,
         nm: Option<f64>,
     ) {
+        let weight = at.ray.weight * way.share;
+        if weight != DVec3::ZERO {
+            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation: way.polarisation });
+        }
+    }
+
+    /// Queues the secondary rays of a surface, but for those that the depth limit or the cut-off ends.
+    fn send_branches(&mut self, at: &Arrival) {
         let settings = &self.prepared.scene.settings;
-        let weight = at.ray.weight * share;
-        if weight == DVec3::ZERO {
-            return;
-        }
+        let depth = at.ray.depth + 1;
         let too_deep = at.ray.depth >= settings.max_depth;
-        let too_light = weight.abs().max_element() < f64::from(settings.cutoff);
-        if too_deep || too_light {
-            self.tally.truncated += weight;
-            self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
-            return;
+        let mut branches = std::mem::take(&mut self.branches);
+        let proven = self.prepared.tolls.as_ref().ok().and_then(Option::as_ref).map(|tolls| {
+            debug_assert!(branches.len() <= 2, "a budget is divided between two");
+            let toll = |k: usize| branches.get(k).map_or(DVec3::ZERO, |b: &Branch| b.weight * tolls.at(depth as usize));
+            divide(at.ray.budget.into(), [toll(0).into(), toll(1).into()])
+        });
+        for (k, branch) in branches.drain(..).enumerate() {
+            let Branch { kind, dir, weight, nm, stack, polarisation } = branch;
+            let (too_light, budget) = match &proven {
+                None => (weight.abs().max_element() < f64::from(settings.cutoff), at.ray.budget),
+                Some(Division { cut, budget }) => (cut[k], budget[k].into()),
+            };
+            if too_deep || too_light {
+                self.cut(at, kind, weight, too_deep, too_light);
+                continue;
+            }
+            let dir = dir.normalize();
+            let polarisation = polarisation.map(|carried| carried.along(dir));
+            let origin = at.surface.start(dir);
+            let ray = Pending { origin, dir, weight, depth, kind, nm, stack, passed: 0, polarisation, budget, node: 0 };
+            self.queue(at.ray.node, ray);
         }
-        let dir = dir.normalize();
-        let origin = at.surface.start(dir);
-        let ray = Pending { origin, dir, weight, depth: at.ray.depth + 1, kind, nm, stack, passed: 0, node: 0 };
-        self.queue(at.ray.node, ray);
+        self.branches = branches;
+    }
+
+    /// Counts a secondary ray's weight as truncated.
+    fn cut(&mut self, at: &Arrival, kind: RayKind, weight: DVec3, too_deep: bool, too_light: bool) {
+        self.tally.truncated += weight;
+        self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
     }
 
     /// What the surface sends by itself: emission, ambient, and each light it faces.
-    fn base(&mut self, at: &Arrival, share: f64) {
+    fn base(&mut self, at: &Arrival, share: DVec3) {
         let scene = self.prepared.scene;
         let weight = at.ray.weight * share;
         let material = at.material;

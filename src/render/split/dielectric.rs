@@ -7,31 +7,32 @@ use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::super::worker::MOST_PASSES;
 use super::disperse::disperse;
-use super::{SplitStage, WHITE, gather_boundaries, lane_bits, reflected};
+use super::ways::{Optics, Ways};
+use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{
-    Bec, Boundary, Crossing, FresnelFormula, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel,
-    SlidesVector, Stable, StraightThrough, Trigonometric, below_surface, reflect,
+    Bec, Boundary, Crossing, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
+    StraightThrough, Trigonometric, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// The stage for a formula, where media disperse light or none does.
 #[must_use]
-pub(super) fn pick<F: FresnelFormula>(model: RefractionModel, dispersing: bool) -> SplitStage {
-    if dispersing { pick_for::<F, true>(model) } else { pick_for::<F, false>(model) }
+pub(super) fn pick<O: Optics>(model: RefractionModel, dispersing: bool) -> SplitStage {
+    if dispersing { pick_for::<O, true>(model) } else { pick_for::<O, false>(model) }
 }
 
-fn pick_for<F: FresnelFormula, const DISPERSING: bool>(model: RefractionModel) -> SplitStage {
+fn pick_for<O: Optics, const DISPERSING: bool>(model: RefractionModel) -> SplitStage {
     match model {
-        RefractionModel::Stable => split::<F, Stable, DISPERSING>,
-        RefractionModel::Trigonometric => split::<F, Trigonometric, DISPERSING>,
-        RefractionModel::Heckbert => split::<F, Heckbert, DISPERSING>,
-        RefractionModel::Bec => split::<F, Bec, DISPERSING>,
-        RefractionModel::SlidesVector => split::<F, SlidesVector, DISPERSING>,
-        RefractionModel::Oliveira => split::<F, Oliveira, DISPERSING>,
-        RefractionModel::StraightThrough => split::<F, StraightThrough, DISPERSING>,
+        RefractionModel::Stable => split::<O, Stable, DISPERSING>,
+        RefractionModel::Trigonometric => split::<O, Trigonometric, DISPERSING>,
+        RefractionModel::Heckbert => split::<O, Heckbert, DISPERSING>,
+        RefractionModel::Bec => split::<O, Bec, DISPERSING>,
+        RefractionModel::SlidesVector => split::<O, SlidesVector, DISPERSING>,
+        RefractionModel::Oliveira => split::<O, Oliveira, DISPERSING>,
+        RefractionModel::StraightThrough => split::<O, StraightThrough, DISPERSING>,
     }
 }
 
@@ -58,7 +59,7 @@ macro_rules! without_values {
 
 without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThrough);
 
-fn split<F: FresnelFormula, R: OfRender, const DISPERSING: bool>(
+fn split<O: Optics, R: OfRender, const DISPERSING: bool>(
     shading: &mut Shading,
     surfaces: &mut [Surface8],
     depth: usize,
@@ -69,22 +70,24 @@ fn split<F: FresnelFormula, R: OfRender, const DISPERSING: bool>(
         let Entered { boundary, beyond, fans } = enter(shading, surface, depth);
         let mut lanes = surface.base_lanes;
         if DISPERSING {
-            lanes &= !disperse::<F, R>(shading, surface, lanes, &fans, &formula, depth);
+            lanes &= !disperse::<O::Formula, R>(shading, surface, lanes, &fans, &formula, depth);
         }
         if lanes == 0 {
             continue;
         }
         let at = boundary.cross(-surface.incident.dot(surface.shading));
         let lanes = if total_is_lost { lose(shading, surface, lanes & at.total.bits(), lanes) } else { lanes };
-        let share = ruled(shading, surface, Vec3x8::all(F::dielectric(&boundary, &at)), at.total);
+        let before = O::before(shading, surface, surface.shading);
+        let Ways { back, on } = O::boundary(shading, surface, &boundary, &at, &before);
 
         let dir = reflect(surface.incident, surface.shading);
-        reflected(shading, surface, lanes, dir, surface.weight.times(share), depth);
+        reflected::<O>(shading, surface, lanes, dir, surface.weight.times(back.share), &back.carried, depth);
 
         let refracting = lanes & !at.total.bits();
         if refracting != 0 {
-            let weight = surface.weight.times(WHITE - share).times(tints(shading, surface));
-            refracted(shading, surface, refracting, &Refraction { boundary, at, weight, beyond }, &formula, depth);
+            let weight = surface.weight.times(on.share).times(tints(shading, surface));
+            let light = Refraction { boundary, at, weight, beyond };
+            refracted::<O, R>(shading, surface, refracting, &light, &on.carried, &formula, depth);
         }
     }
 }
@@ -100,11 +103,12 @@ pub(super) struct Refraction {
 
 /// Sends refracted rays.
 #[inline(always)]
-pub(super) fn refracted<R: RefractionFormula>(
+pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     shading: &mut Shading,
     surface: &Surface8,
     lanes: u8,
     light: &Refraction,
+    carried: &O::Carried,
     formula: &R,
     depth: usize,
 ) {
@@ -118,6 +122,7 @@ pub(super) fn refracted<R: RefractionFormula>(
     // A formula may know no direction where there is one; what it would carry is not in the picture.
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_truncated8(lost, &surface.pixel, weight);
+    let extra = O::along(carried, dir);
     let new = Spawn8 {
         origin: surface.below(),
         dir,
@@ -128,6 +133,8 @@ pub(super) fn refracted<R: RefractionFormula>(
         stack: beyond,
         lead: surface.lead(dir),
         passes: &[0; 8],
+        place: surface.place,
+        extra: extra.as_ref(),
     };
     shading.spawn(lanes & !lost, &new, RayKind::Transmitted, depth);
 }
@@ -182,6 +189,7 @@ fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId;
     let passes = surface.passes.map(|n| n + 1);
     let spent = lane_bits(|k| passes[k] > MOST_PASSES) & lanes;
     shading.accumulator.add_truncated8(spent, &surface.pixel, &surface.weight);
+    let extra = shading.extra(surface);
     let new = Spawn8 {
         origin: surface.below(),
         dir: surface.incident,
@@ -192,6 +200,8 @@ fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId;
         stack: beyond,
         lead: surface.lead(surface.incident),
         passes: &passes,
+        place: surface.place,
+        extra: extra.as_ref(),
     };
     shading.queue(RayKind::Transmitted, depth).push8(lanes & !spent, &new);
 }
@@ -199,6 +209,13 @@ fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId;
 /// The reflected share by each lane's rule: Fresnel's, or a fixed one unless the reflection is total.
 #[inline(always)]
 pub(super) fn ruled(shading: &Shading, surface: &Surface8, fresnel: Rgb8, total: Mask8) -> Rgb8 {
+    let (fixed, share) = fixed_shares(shading, surface, fresnel);
+    Vec3x8::select(fixed & !total, share, fresnel)
+}
+
+/// Lanes whose rule is a fixed share, and these shares; `fresnel` in the others.
+#[inline(always)]
+pub(super) fn fixed_shares(shading: &Shading, surface: &Surface8, fresnel: Rgb8) -> (Mask8, Rgb8) {
     let mut fixed = 0;
     let mut share = fresnel;
     for k in 0..8 {
@@ -209,5 +226,5 @@ pub(super) fn ruled(shading: &Shading, surface: &Surface8, fresnel: Rgb8, total:
             share.set_lane(k, colour);
         }
     }
-    Vec3x8::select(Mask8::from_bits(fixed) & !total, share, fresnel)
+    (Mask8::from_bits(fixed), share)
 }

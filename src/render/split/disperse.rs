@@ -4,6 +4,7 @@ use super::super::media::{FanId, StackId};
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::dielectric::{Refraction, refracted, ruled, tints};
+use super::ways::Unpolarised;
 use super::{WHITE, gather_boundaries, lane_bits, reflected};
 use crate::math::Real;
 use crate::optics::{Boundary, FresnelFormula, RefractionFormula, SEPARATION, reflect};
@@ -41,11 +42,12 @@ pub(super) fn disperse<F: FresnelFormula, R: RefractionFormula>(
         if refracting != 0 {
             let weight = surface.weight.times((WHITE - share).times(band).times(tint));
             let beyond = bands.map(|b| b.map_or(StackId::default(), |b| b.beyond));
-            refracted(shading, surface, refracting, &Refraction { boundary, at, weight, beyond }, formula, depth);
+            let light = Refraction { boundary, at, weight, beyond };
+            refracted::<Unpolarised<F>, R>(shading, surface, refracting, &light, &(), formula, depth);
         }
     }
     let dir = reflect(surface.incident, surface.shading);
-    reflected(shading, surface, lanes, dir, surface.weight.times(together), depth);
+    reflected::<Unpolarised<F>>(shading, surface, lanes, dir, surface.weight.times(together), &(), depth);
     lanes
 }
 

@@ -4,7 +4,8 @@ use super::super::shading::Shading;
 use super::super::sky::Sky;
 use super::super::surface::Surface8;
 use super::reflected;
-use crate::optics::{FresnelFormula, reflect};
+use super::ways::{Optics, Way};
+use crate::optics::reflect;
 use crate::scene::{Interface, Rgb};
 use crate::simd::F32x8;
 
@@ -13,11 +14,12 @@ fn reflectance(interface: &Interface) -> Rgb {
 }
 
 /// Mirrors whose reflected rays are traced.
-pub(super) fn traced(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
+pub(super) fn traced<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let share = shading.colours(surface, reflectance);
+        let carried = O::mirror(&O::before(shading, surface, surface.shading));
         let dir = reflect(surface.incident, surface.shading);
-        reflected(shading, surface, surface.active, dir, surface.weight.times(share), depth);
+        reflected::<O>(shading, surface, surface.active, dir, surface.weight.times(share), &carried, depth);
     }
 }
 
@@ -33,7 +35,7 @@ pub(super) fn of_environment<S: Sky>(shading: &mut Shading, surfaces: &mut [Surf
 }
 
 /// Metals.
-pub(super) fn conductor<F: FresnelFormula>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
+pub(super) fn conductor<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         // A metal's index counts relative to what the light comes through.
         let outside = F32x8::from_fn(|k| shading.media.ior(surface.stack[k]) as f32);
@@ -41,8 +43,9 @@ pub(super) fn conductor<F: FresnelFormula>(shading: &mut Shading, surfaces: &mut
         let eta = shading.colours(surface, |i| if let Interface::Conductor { eta, .. } = i { *eta } else { Rgb::ONE });
         let k = shading.colours(surface, |i| if let Interface::Conductor { k, .. } = i { *k } else { Rgb::ZERO });
         let cos_i = -surface.incident.dot(surface.shading);
-        let reflectance = F::conductor_rgb(cos_i, eta * relative, k * relative);
+        let before = O::before(shading, surface, surface.shading);
+        let Way { share, carried } = O::metal(cos_i, eta * relative, k * relative, &before);
         let dir = reflect(surface.incident, surface.shading);
-        reflected(shading, surface, surface.active, dir, surface.weight.times(reflectance), depth);
+        reflected::<O>(shading, surface, surface.active, dir, surface.weight.times(share), &carried, depth);
     }
 }

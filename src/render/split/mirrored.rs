@@ -1,5 +1,6 @@
 //! What becomes of light that a surface reflects: traced, looked up, or left out.
 
+use super::super::extra::Extra8;
 use super::super::options::Reflection;
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
@@ -11,8 +12,8 @@ use crate::scene::{Environment, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
 /// Sees to the light of the given weight that leaves eight surfaces into a direction of about unit length, met by rays
-/// of the depth given.
-pub type ReflectStage = fn(&mut Shading, &Surface8, u8, Vec3x8, Rgb8, usize);
+/// of the depth given; with what the rays into it would carry, where that is not what theirs brought.
+pub type ReflectStage = fn(&mut Shading, &Surface8, u8, Vec3x8, Rgb8, Option<&Extra8>, usize);
 
 /// The stage of one render.
 #[must_use]
@@ -27,7 +28,15 @@ pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
 }
 
 /// By a ray.
-fn traced(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
+fn traced(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    extra: Option<&Extra8>,
+    depth: usize,
+) {
     let dir = dir.normalized();
     let new = Spawn8 {
         origin: surface.above(),
@@ -39,18 +48,28 @@ fn traced(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, wei
         stack: &surface.stack,
         lead: surface.lead(dir),
         passes: &[0; 8],
+        place: surface.place,
+        extra,
     };
     shading.spawn(lanes, &new, RayKind::Reflected, depth);
 }
 
 /// In the environment, whatever stands between.
-fn looked_up<S: Sky>(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, _: usize) {
+fn looked_up<S: Sky>(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    _: Option<&Extra8>,
+    _: usize,
+) {
     let scene = shading.scene;
     let seen = S::radiance(&scene.environment, &scene.textures, &dir.normalized());
     shading.accumulator.add_radiance8(lanes, &surface.pixel, &seen.times(weight));
 }
 
 /// Not at all: its weight is that of a ray that ended.
-fn none(shading: &mut Shading, surface: &Surface8, lanes: u8, _: Vec3x8, weight: Rgb8, _: usize) {
+fn none(shading: &mut Shading, surface: &Surface8, lanes: u8, _: Vec3x8, weight: Rgb8, _: Option<&Extra8>, _: usize) {
     shading.accumulator.add_truncated8(lanes, &surface.pixel, &weight);
 }

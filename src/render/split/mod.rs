@@ -5,17 +5,19 @@ mod disperse;
 mod film;
 mod mirror;
 pub mod mirrored;
+mod ways;
 
 use super::class::Class;
 use super::options::Options;
 use super::outcome::RayKind;
 use super::queue::{Rgb8, Spawn8};
 use super::shading::{Shading, disperses};
+use super::sky;
 use super::surface::Surface8;
 use crate::effects::Pipeline;
 use crate::geometry::GeometryMask;
 use crate::math::Vector3;
-use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, FresnelModel, Schlick};
+use crate::optics::{AtNormal, Boundary, Exact, FresnelModel, Schlick};
 use crate::scene::{Environment, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
@@ -23,47 +25,67 @@ use crate::simd::{F32x8, Vec3x8};
 /// bases weigh.
 pub type SplitStage = fn(&mut Shading, &mut [Surface8], usize);
 
+pub use ways::{Optics, Polarised, Unpolarised};
+
 const WHITE: Vec3x8 = Vector3::new(F32x8::ONE, F32x8::ONE, F32x8::ONE);
 
 /// The stage for a class; none where light ends.
 #[must_use]
 pub fn pick(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
     match options.fresnel {
-        FresnelModel::Exact => pick_for::<Exact>(class, scene, options),
-        FresnelModel::Schlick => pick_for::<Schlick>(class, scene, options),
-        FresnelModel::Off => pick_for::<AtNormal>(class, scene, options),
+        FresnelModel::Exact => pick_for::<Unpolarised<Exact>>(class, scene, options),
+        FresnelModel::Polarised => pick_for::<Polarised>(class, scene, options),
+        FresnelModel::Schlick => pick_for::<Unpolarised<Schlick>>(class, scene, options),
+        FresnelModel::Off => pick_for::<Unpolarised<AtNormal>>(class, scene, options),
     }
 }
 
-fn pick_for<F: FresnelFormula>(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
+fn pick_for<O: Optics>(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
     match class {
         Class::Opaque => None,
-        Class::Mirror => Some(mirror::traced),
+        Class::Mirror => Some(mirror::traced::<O>),
         Class::MirrorOfEnvironment if options.effects.pipeline == Pipeline::All => {
-            Some(mirror::of_environment::<super::sky::Any>)
+            Some(mirror::of_environment::<sky::Any>)
         }
         Class::MirrorOfEnvironment => Some(match scene.environment {
-            Environment::Constant(_) => mirror::of_environment::<super::sky::Constant>,
-            Environment::Gradient { .. } => mirror::of_environment::<super::sky::Gradient>,
-            Environment::LatLong { .. } => mirror::of_environment::<super::sky::LatLong>,
+            Environment::Constant(_) => mirror::of_environment::<sky::Constant>,
+            Environment::Gradient { .. } => mirror::of_environment::<sky::Gradient>,
+            Environment::LatLong { .. } => mirror::of_environment::<sky::LatLong>,
         }),
-        Class::Conductor => Some(mirror::conductor::<F>),
-        Class::Dielectric => Some(dielectric::pick::<F>(options.bending(), disperses(scene, options))),
-        Class::Thin => Some(film::thin::<F>),
-        Class::Coated => Some(film::coated::<F>),
-        Class::Alpha => Some(film::alpha),
+        Class::Conductor => Some(mirror::conductor::<O>),
+        Class::Dielectric => Some(dielectric::pick::<O>(options.bending(), disperses(scene, options))),
+        Class::Thin => Some(film::thin::<O>),
+        Class::Coated => Some(film::coated::<O>),
+        Class::Alpha => Some(film::alpha::<O>),
     }
 }
 
 /// Sees to reflected light in the way of this render.
 #[inline(always)]
-fn reflected(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: Vec3x8, weight: Rgb8, depth: usize) {
-    (shading.reflect)(shading, surface, lanes, dir, weight, depth);
+fn reflected<O: Optics>(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    carried: &O::Carried,
+    depth: usize,
+) {
+    let extra = O::along(carried, dir);
+    (shading.reflect)(shading, surface, lanes, dir, weight, extra.as_ref(), depth);
 }
 
 /// Sends rays on as they came.
 #[inline(always)]
-fn straight_on(shading: &mut Shading, surface: &Surface8, lanes: u8, weight: Rgb8, depth: usize) {
+fn straight_on<O: Optics>(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    weight: Rgb8,
+    carried: &O::Carried,
+    depth: usize,
+) {
+    let extra = O::along(carried, surface.incident);
     let new = Spawn8 {
         origin: surface.below(),
         dir: surface.incident,
@@ -74,6 +96,8 @@ fn straight_on(shading: &mut Shading, surface: &Surface8, lanes: u8, weight: Rgb
         stack: &surface.stack,
         lead: surface.lead(surface.incident),
         passes: &[0; 8],
+        place: surface.place,
+        extra: extra.as_ref(),
     };
     shading.spawn(lanes, &new, RayKind::Transmitted, depth);
 }

@@ -1,0 +1,29 @@
+//! Promise: the choices of a render that have a price do what they say, in every renderer.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod command;
+mod cutoff;
+mod polarisation;
+mod random;
+mod reflection;
+
+use vitrum::render::{Observer, Options, Outcome, reference};
+use vitrum::scene::Scene;
+
+/// Every renderer's outcome, with its name.
+fn outcomes(scene: &Scene, options: &Options) -> Vec<(&'static str, Outcome)> {
+    let by_reference = reference::render(scene, options, &Observer::default()).expect("nobody interrupts a test");
+    #[allow(unused_mut)]
+    let mut all = vec![("reference", by_reference), ("native", support::scenes::native(scene, options))];
+    #[cfg(feature = "embree")]
+    {
+        use vitrum::accel::{Unbounded, embree};
+        let built = embree::Embree::build(&scene.geometry, &embree::Options::default()).expect("Embree is there");
+        let accel = Unbounded::new(built, &scene.geometry);
+        let outcome = vitrum::render::render(scene, &accel, options, &Observer::default()).expect("as above");
+        all.push(("embree", outcome));
+    }
+    all
+}
