@@ -33,7 +33,10 @@ fn pairs() -> Vec<(Vec3, Vec3, [Vec3; 3])> {
         .collect()
 }
 
-fn time<T: TriangleTest, R: Lanes>(c: &mut Criterion, width: &str, pairs: &[(T::Ray<R>, [Vector3<R>; 3])]) {
+/// A ray made ready for a test, and the corners of a triangle.
+type Pair<T, R> = (<T as TriangleTest>::Ray<R>, [Vector3<R>; 3]);
+
+fn time<T: TriangleTest, R: Lanes>(c: &mut Criterion, width: &str, pairs: &[Pair<T, R>]) {
     let mut group = c.benchmark_group(format!("triangle/{}", T::NAME));
     group.throughput(Throughput::Elements((pairs.len() * R::COUNT) as u64));
     group.bench_function(width, |b| {

@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("render", &["effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("study", &["trial", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("cli", &["study", "trial", "load", "render", "effects", "accel", "image", "scene", "optics", "simd"]),
+    ("cli", &["study", "trial", "load", "render", "effects", "accel", "image", "scene", "optics", "simd", "math"]),
 ];
 
 fn rust_files(dir: &Path, out: &mut Vec<PathBuf>) {

@@ -88,8 +88,8 @@ mod tests {
             let (budget, tolls) = (colour(), [colour(), colour()]);
             let division = divide(budget, tolls);
             let mut used = grey(0.0);
-            for k in 0..2 {
-                used = used + if division.cut[k] { tolls[k] } else { division.budget[k] };
+            for (k, &toll) in tolls.iter().enumerate() {
+                used = used + if division.cut[k] { toll } else { division.budget[k] };
                 if division.cut[k] { cut += 1 } else { kept += 1 }
             }
             assert!(pays(budget * (1.0 + 1e-15), used), "{budget:?} {tolls:?} {division:?}");

@@ -80,7 +80,8 @@ fn rectangle(table: &Table<'_>) -> Result<LightKind> {
     let mut edges = [first.place()?, second.place()?];
     let normal = edges[0].cross(edges[1]);
     let fits = normal.length() > LEAST_SINE * edges[0].length() * edges[1].length();
-    if !fits || !(normal.as_vec3().length_squared() > 0.0) {
+    let has_area_in_f32 = normal.as_vec3().length_squared() > 0.0;
+    if !fits || !has_area_in_f32 {
         let message = format!("the rectangle's edges, {} and {}, are parallel: it has no area", edges[0], edges[1]);
         return Err(given.error(message));
     }

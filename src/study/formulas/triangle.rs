@@ -171,9 +171,12 @@ fn shoot<T: TriangleTest>(packed: &Packed, mesh: &TriMesh, origin: Vec3, dir: Ve
     tally.settled += u64::from(settled);
 }
 
+/// A ray made ready for a test, and the corners of a triangle.
+type Pair<T, R> = (<T as TriangleTest>::Ray<R>, [Vector3<R>; 3]);
+
 fn timed<T: TriangleTest>() -> Time {
     #[inline(never)]
-    fn run<T: TriangleTest, R: Lanes>(pairs: &[(T::Ray<R>, [Vector3<R>; 3])]) -> usize {
+    fn run<T: TriangleTest, R: Lanes>(pairs: &[Pair<T, R>]) -> usize {
         const PASSES: usize = 64;
         for _ in 0..PASSES {
             for (ray, corners) in black_box(pairs) {
