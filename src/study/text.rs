@@ -74,20 +74,18 @@ fn table(report: &Report) -> String {
     text
 }
 
-/// A name in lines of at most 24 characters, broken at commas.
+/// A name in lines of at most 23 characters, broken between words.
 fn name_lines(name: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for part in name.split(", ") {
+    for word in name.split(' ') {
         match lines.last_mut() {
-            Some(line) if line.chars().count() + 2 + part.chars().count() <= 22 => {
-                *line += ", ";
-                *line += part;
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= 23 => {
+                line.push(' ');
+                *line += word;
             }
-            _ => lines.push(part.to_owned()),
+            _ => lines.push(word.to_owned()),
         }
     }
-    let last = lines.len().saturating_sub(1);
-    lines.iter_mut().take(last).for_each(|line| line.push(','));
     lines
 }
 
@@ -175,9 +173,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_names_are_broken_at_commas() {
+    fn long_names_are_broken_between_words() {
         assert_eq!(name_lines("default"), ["default"]);
-        assert_eq!(name_lines("fresnel schlick, depth 4, cutoff 1/16"), ["fresnel schlick,", "depth 4, cutoff 1/16"]);
+        assert_eq!(name_lines("fresnel schlick, depth 4, cutoff 1/16"), ["fresnel schlick, depth", "4, cutoff 1/16"]);
+        assert_eq!(name_lines("refraction oliveira c=0.6645"), ["refraction oliveira", "c=0.6645"]);
         assert_eq!((percent(0.0), percent(0.001), percent(0.5)), ("0%".into(), "0.10%".into(), "50%".into()));
         assert!(
             wrapped(&"word ".repeat(40), "  ")
