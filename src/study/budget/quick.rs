@@ -13,16 +13,16 @@ use crate::study::size::fit;
 use crate::study::variant::Variant;
 
 /// Pixels of the picture that costs are estimated from, and the least and most of the small picture.
-const PIXELS: [f64; 3] = [300.0, 600.0, 4800.0];
+const PIXELS: [f64; 3] = [300.0, 600.0, 2400.0];
 
 /// Seconds that its reference in `f64` may take.
-const REFERENCE: f64 = 1.5;
+const REFERENCE: f64 = 0.5;
 
 /// Renders that a time is the least of.
 const RUNS: usize = 3;
 
 /// Pixels that are asked about their condition; where more are off, the picture is wrong whatever they say.
-const ASKED: usize = 96;
+const ASKED: usize = 24;
 
 /// A small picture's scene and reference.
 pub(super) struct Quick<'a> {
