@@ -153,7 +153,10 @@ fn what_is_left_out_is_said() {
     let text = std::fs::read_to_string(study.scene()).unwrap();
     std::fs::write(
         study.scene(),
-        text.replace("shape = \"sphere\"\nradius = 0.8", "shape = \"torus\"\nmajor = 0.6\nminor = 0.2"),
+        text.replace(
+            "shape = \"sphere\"\nradius = 0.8\ncenter = [0, 0.85, 0]",
+            "shape = \"torus\"\nmajor = 0.6\nminor = 0.2",
+        ),
     )
     .unwrap();
     study.run(&["--axes", "spheres,backend", "--single", "--quiet"]);

@@ -78,6 +78,7 @@ fn a_pane_of_fixed_share_still_reflects_totally() {
     centres_are(&scene, Vec3::splat(0.25 + 0.75 * 0.5));
     plane(&mut scene, Vec3::ZERO, Vec3::Z, pane);
     scene.geometry.remove(0);
+    scene.objects.remove(0);
     // At 60 degrees, beyond the critical angle.
     scene.camera.eye = Vec3::new(5.0 * 3.0_f32.sqrt(), 0.0, 5.0);
     centres_are(&scene, Vec3::ONE);
