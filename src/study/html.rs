@@ -107,7 +107,7 @@ fn png(film: &Film) -> Result<String> {
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(image::encode(film, &encoding)?.bytes)))
 }
 
-/// The largest difference of each pixel's channels by [`RAMP`].
+/// The largest difference of each pixel's channels by a ramp of colours.
 #[must_use]
 pub fn false_colours(film: &Film, reference: &Film) -> Film {
     let pixels = film.pixels.iter().zip(&reference.pixels).map(|(&a, &b)| ramp(off(a, b)));
