@@ -13,7 +13,6 @@
 use glam::{DVec3, Vec3};
 
 use super::options::Options;
-use super::shading::disperses;
 use crate::geometry::{Shape, Spot, TriMesh};
 use crate::optics::FresnelModel;
 use crate::scene::{Colour, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, MirrorSource};
@@ -67,11 +66,11 @@ impl Ceiling {
             Options { fresnel: FresnelModel::Polarised, .. } => "--fresnel polarised",
             _ => return Ok(None),
         };
-        if disperses(scene, options) {
-            let medium = scene.media.iter().find(|m| m.disperses()).map_or("", |m| m.name.as_str());
+        if let Some(medium) = scene.media.iter().find(|m| m.disperses()) {
             return Err(Error::Usage(format!(
-                "{flag} is not for scenes whose media disperse light, as `{medium}` does; give it one index, or leave the \
-                 option out"
+                "{flag} is not for scenes whose media disperse light, as `{}` does; give it one index, or leave the \
+                 option out",
+                medium.name
             )));
         }
         options.cutoff_error.map(|error| Self::tolls(scene, error)).transpose()

@@ -45,7 +45,7 @@ pub use pattern::FilmRay;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::accel::Intersector;
-use crate::effects::{self, EffectPlan};
+use crate::effects::{self, Reach};
 use crate::image::Film;
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -61,7 +61,7 @@ struct TileResult {
 
 /// Renders `scene` with `accel`, which was built from `scene.geometry`.
 ///
-/// Effects in `options.effects.without` are left out; the plan for the rest picks the stages.
+/// Effects in `options.effects.without` are left out; what the rest calls for picks the stages.
 ///
 /// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
 ///
@@ -69,14 +69,13 @@ struct TileResult {
 /// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started or there is no
 /// memory for the picture; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
+    let scene = &*effects::without(scene, options.effects.without);
     let tolls = Ceiling::asked(scene, options)?;
     let settings = &scene.settings;
     room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    let plan = EffectPlan::resolve(scene, &options.effects);
-    let scene = &*effects::without(scene, options.effects.without);
     let eye_media = eye::media_around(scene, accel);
-    let stages = Stages::of(scene, &plan.reach, &eye_media, options);
+    let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
@@ -149,10 +148,9 @@ pub fn recorded<I: Intersector>(
     observer: &Observer,
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
-    let plan = EffectPlan::resolve(scene, &options.effects);
     let scene = &*effects::without(scene, options.effects.without);
     let eye_media = eye::media_around(scene, accel);
-    let stages = Stages::of(scene, &plan.reach, &eye_media, options);
+    let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
     if stages.carries {
         return Err(Error::Usage(String::from(
             "the rays of a pixel are written down in eight lanes neither with polarisation nor under a proven cut-off; \

@@ -95,3 +95,20 @@ fn a_lamp_on_the_floor_is_refused_in_one_line_and_nothing_is_written() {
         assert!(!folder.path().join("out.png").exists());
     }
 }
+
+/// The stages that know everything ask no more of a scene than those it calls for.
+#[test]
+fn what_needs_undispersed_light_is_to_be_had_with_every_stage_and_where_dispersion_is_left_out() {
+    for choice in [["--fresnel", "polarised"], ["--cutoff-error", "0.01"]] {
+        let picture = |scene: &str, arguments: &[&str]| {
+            let (folder, done) = render(scene, &[&choice[..], &["--backend", "native"], arguments].concat());
+            done.success();
+            // Pixels alone: the file also says what was left out.
+            image::open(folder.path().join("out.png")).unwrap()
+        };
+        let plain = picture(SCENE, &[]);
+        assert!(picture(SCENE, &["--effects", "all"]) == plain, "{choice:?}");
+        let dispersing = SCENE.replace("ior = 1.5", "ior = 1.5\nabbe = 50");
+        assert!(picture(&dispersing, &["--no-dispersion"]) == plain, "{choice:?}");
+    }
+}
