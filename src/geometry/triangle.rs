@@ -19,6 +19,10 @@ use crate::math::{Real, Vector3};
 /// Sums of edge functions below this may have lost digits to underflow: 2^-100.
 const SMALL_SUM: f64 = 7.888_609_052_210_118e-31;
 
+/// How far beyond an end of the ray's interval a triangle is left out unsolved, in parts of its farthest corner's
+/// distance: 2^-17.
+const BEYOND: f64 = 1.0 / 131_072.0;
+
 /// The longest axis of a direction, x before y before z among equals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis<M> {
@@ -55,6 +59,19 @@ pub(crate) struct Edges<R> {
     pub corners: [Vector3<R>; 3],
     /// Edge function opposite to each corner.
     value: [R; 3],
+}
+
+/// Weights of the corners, before anything is divided by the length of the ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weights<R: Real> {
+    /// Of the second corner.
+    u: R,
+    /// Of the third corner.
+    v: R,
+    /// Ray parameter times the longest component of the direction.
+    z: R,
+    /// Lanes that only [`Edges::exact`] can tell.
+    doubtful: R::Mask,
 }
 
 /// What solving for `t`, `u` and `v` gave.
@@ -122,9 +139,9 @@ impl<R: Real> Edges<R> {
         u.min_or(v.min_or(w)).ge(R::zero()) | u.max_or(v.max_or(w)).le(R::zero())
     }
 
-    /// `t` and the weights, for lanes where [`Edges::may_hit`].
+    /// The weights, for lanes where [`Edges::may_hit`].
     #[inline(always)]
-    pub fn solve(&self, ray: &ShearedRay<R>) -> Solution<R> {
+    pub fn weigh(&self) -> Weights<R> {
         let [eu, ev, ew] = self.value;
         let sum = eu + ev + ew;
         let least = eu.abs().min_or(ev.abs().min_or(ew.abs()));
@@ -132,11 +149,34 @@ impl<R: Real> Edges<R> {
         let scale = R::one() / sum;
         let (first, u, v) = (eu * scale, ev * scale, ew * scale);
         let [a, b, c] = self.corners;
-        let t = first.fma(a.z, u.fma(b.z, v * c.z)) / ray.dz;
+        Weights { u, v, z: first.fma(a.z, u.fma(b.z, v * c.z)), doubtful }
+    }
+
+    /// Whether `t` may come to lie within `t_min..=t_max`, for lanes where [`Edges::may_hit`]; a quick no.
+    ///
+    /// What [`Edges::weigh`] calls `z` is off by at most 6 u of the farthest corner's, and so is the way through the
+    /// triangle's box by 8 u (`WIDEN` in [`super::slab`]), to which `t` is limited. 128 u leave room for both: what is
+    /// beyond an end by more than that would be found beyond it.
+    #[inline(always)]
+    pub fn may_lie_within(&self, weights: &Weights<R>, ray: &ShearedRay<R>, t_min: R, t_max: R) -> R::Mask {
+        let [a, b, c] = &self.corners;
+        let (a, b, c) = (a.z.abs(), b.z.abs(), c.z.abs());
+        let room = a.max_or(b.max_or(c)).fma(R::splat(BEYOND), R::splat(f64::from(f32::MIN_POSITIVE)));
+        let (start, end) = (t_min * ray.dz, t_max * ray.dz);
+        let below = (weights.z + room).lt(start.min_or(end));
+        let above = start.max_or(end).lt(weights.z - room);
+        !(below | above) | weights.doubtful
+    }
+}
+
+impl<R: Real> Weights<R> {
+    /// `t` and the weights.
+    #[inline(always)]
+    pub fn solve(&self, ray: &ShearedRay<R>) -> Solution<R> {
         // The share that is left for the third corner, so that 1 - u - v, too, is never negative.
-        let u = u.min_or(R::one());
-        let v = v.min_or(R::one() - u);
-        Solution { t, u, v, doubtful }
+        let u = self.u.min_or(R::one());
+        let v = self.v.min_or(R::one() - u);
+        Solution { t: self.z / ray.dz, u, v, doubtful: self.doubtful }
     }
 }
 
@@ -184,7 +224,7 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<(f32, f32, f32)> {
     if !edges.may_hit() {
         return None;
     }
-    let solved = edges.solve(&sheared);
+    let solved = edges.weigh().solve(&sheared);
     let (t, u, v) = if solved.doubtful { edges.exact(sheared.dz)? } else { (solved.t, solved.u, solved.v) };
     let (t, crossed) = SlabRay::<f32>::new(origin, dir).limit_to_triangle(&corners, t);
     (crossed && ray.t_min < t && t <= t_max).then_some((t, u, v))

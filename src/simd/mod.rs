@@ -4,12 +4,12 @@
 mod f32x8;
 pub mod level;
 mod mask8;
-mod prefetch;
+mod memory;
 mod reciprocal;
 
 pub use f32x8::F32x8;
 pub use mask8::Mask8;
-pub use prefetch::prefetch;
+pub use memory::{prefetch, room_for};
 pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal};
 
 /// Eight three-vectors in structure-of-arrays.

@@ -86,7 +86,7 @@ impl Beam {
         let (mut low, mut high) = ([F32x8::INFINITY; 8], [-F32x8::INFINITY; 8]);
         for rays in packets {
             let (o, d) = (rays.origin, rays.dir);
-            let signs = [d.x, d.y, d.z].map(F32x8::sign_bits);
+            let signs = [d.x.sign_bits(), d.y.sign_bits(), d.z.sign_bits()];
             if rays.active != u8::MAX || signs.iter().any(|&s| s != 0 && s != u8::MAX) {
                 return None;
             }

@@ -1,6 +1,7 @@
 //! The hierarchy that rays walk: inner nodes of eight children.
 
-use super::rays::One;
+use arrayvec::ArrayVec;
+
 use super::stack::STACK_SIZE;
 use crate::geometry::slab::widened;
 use crate::math::Real;
@@ -48,36 +49,73 @@ pub(super) type Planes = [[F32x8; 2]; 3];
 ///
 /// Boxes of absent children are inside out, which no ray meets.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Node8 {
     /// The boxes.
     pub planes: Planes,
     /// What the boxes hold; those that hold something come first.
     pub children: [Child; 8],
+    /// By octant, the eight slots in the order in which rays of the octant pass the centres of their boxes, last ones
+    /// first: three bits a slot, the first lowest.
+    order: [u32; 8],
 }
 
-const _: () = assert!(size_of::<Node8>() == 224);
+const _: () = assert!(size_of::<Node8>() == 256);
 
 impl Node8 {
     /// No children.
-    pub const EMPTY: Self =
-        Self { planes: [[F32x8::INFINITY, F32x8::new([f32::NEG_INFINITY; 8])]; 3], children: [Child::NONE; 8] };
+    pub const EMPTY: Self = Self {
+        planes: [[F32x8::INFINITY, F32x8::new([f32::NEG_INFINITY; 8])]; 3],
+        children: [Child::NONE; 8],
+        order: [0; 8],
+    };
 
     /// Every bit of it.
     pub fn words(&self) -> impl Iterator<Item = u32> {
         let planes = self.planes.iter().flatten().flat_map(|p| p.to_array()).map(f32::to_bits);
-        planes.chain(self.children.map(|c| c.0))
+        planes.chain(self.children.map(|c| c.0)).chain(self.order)
     }
 
-    /// One ray against the eight boxes, for `t` up to `t_max`: which are met, and where they are entered.
+    /// Puts the boxes in order for every octant; to be called when all of them are there.
+    pub fn put_in_order(&mut self) {
+        for (o, order) in self.order.iter_mut().enumerate() {
+            let along = |slot: usize| {
+                let axis = |k: usize| {
+                    let twice_centre = self.planes[k][0].lane(slot) + self.planes[k][1].lane(slot);
+                    if o >> k & 1 == 0 { twice_centre } else { -twice_centre }
+                };
+                axis(0) + axis(1) + axis(2)
+            };
+            // What is not a number (of absent children, or of boxes beyond all measure) goes anywhere.
+            let mut slots: [usize; 8] = std::array::from_fn(|slot| slot);
+            slots.sort_by(|&a, &b| along(b).total_cmp(&along(a)));
+            *order = slots.iter().rev().fold(0, |order, &slot| order << 3 | slot as u32);
+        }
+    }
+
+    /// Of the slots in `met`, those first whose centres rays of octant `o` pass last.
     #[inline(always)]
-    pub fn meet_one(&self, ray: &One, t_max: F32x8) -> (u8, F32x8) {
-        let near = |axis: usize| self.planes[axis][ray.octant[axis] & 1];
-        let far = |axis: usize| self.planes[axis][(ray.octant[axis] & 1) ^ 1];
-        let near = Vec3x8::new(near(0), near(1), near(2));
-        let far = Vec3x8::new(far(0), far(1), far(2));
-        let (enter, leave) = ray.slab.clip_sorted(near, far, ray.t_min, t_max);
-        (enter.le(leave).bits(), enter)
+    pub fn far_to_near(&self, o: usize, met: u8) -> ArrayVec<u8, 8> {
+        let mut order = self.order[o & 7];
+        let (mut slots, mut count) = ([0_u8; 8], 0);
+        // Each place is written, and kept only where the slot is met: no branch to guess.
+        for _ in 0..8 {
+            let slot = (order & 7) as u8;
+            slots[count & 7] = slot;
+            count += usize::from(met >> slot & 1);
+            order >>= 3;
+        }
+        let mut first = ArrayVec::from(slots);
+        first.truncate(count);
+        first
+    }
+
+    /// The planes of the eight boxes in the order in which rays of an octant reach them: near ones, far ones.
+    #[inline(always)]
+    pub fn sorted(&self, octant: [usize; 3]) -> (Vec3x8, Vec3x8) {
+        let near = |axis: usize| self.planes[axis][octant[axis] & 1];
+        let far = |axis: usize| self.planes[axis][(octant[axis] & 1) ^ 1];
+        (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)))
     }
 }
 

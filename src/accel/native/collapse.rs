@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::bvh2::{Kind, Node2, PrimRef, build};
 use super::bvh8::{Bvh8, Child, Node8};
+use crate::simd::room_for;
 
 /// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them.
 pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> L + Sync) -> Bvh8<L> {
@@ -12,9 +13,11 @@ pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> 
     };
     let mut flat = Flat::default();
     let root = flat.place(&root, 0);
-    flat.nodes.shrink_to_fit();
-    let leaves = flat.leaves.par_iter().map(|&(first, count)| leaf(&prims[first..first + count])).collect();
-    Bvh8 { nodes: flat.nodes, leaves, root, depth: flat.depth }
+    let mut nodes = room_for(flat.nodes.len());
+    nodes.append(&mut flat.nodes);
+    let mut leaves = room_for(flat.leaves.len());
+    flat.leaves.par_iter().map(|&(first, count)| leaf(&prims[first..first + count])).collect_into_vec(&mut leaves);
+    Bvh8 { nodes, leaves, root, depth: flat.depth }
 }
 
 #[derive(Default)]
@@ -50,6 +53,7 @@ impl Flat {
                 node.planes[axis][1].set_lane(i, hi[axis]);
             }
         }
+        self.nodes[here].put_in_order();
         Child::node(here)
     }
 }

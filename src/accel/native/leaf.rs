@@ -8,8 +8,9 @@ use crate::simd::{F32x8, Mask8};
 
 /// Up to eight primitives of one kind, stored for eight lanes.
 pub(super) trait Leaf: Sync {
-    /// Takes the nearest hit of one ray with these primitives into `best`, where it is nearer.
-    fn closest_one(&self, ray: &One, best: &mut Best);
+    /// Takes the nearest hit of one ray with these primitives into `best`, where it is nearer. `t_max` is `best.t`;
+    /// where the answer is no, `best` was not even looked at.
+    fn closest_one(&self, ray: &One, t_max: f32, best: &mut Best) -> bool;
     /// Whether one ray meets any of these primitives at or before `t_max`.
     fn occluded_one(&self, ray: &One, t_max: f32) -> bool;
     /// The boxes of the primitives, by slot; those of empty slots may be anything.
@@ -85,7 +86,7 @@ impl Tags {
 }
 
 /// The nearest hit of one ray so far.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Zeroable)]
 pub(super) struct Best {
     /// Its parameter; the ray's own limit before there is a hit.
     pub t: f32,

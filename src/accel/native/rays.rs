@@ -45,7 +45,7 @@ impl Way8 {
             t_max: Mask8::from_bits(lanes).select(t_max, F32x8::from(f32::NEG_INFINITY)),
             lanes,
             admits: rays.admits.0,
-            backwards: [slab.inverse.x, slab.inverse.y, slab.inverse.z].map(F32x8::sign_bits),
+            backwards: [slab.inverse.x.sign_bits(), slab.inverse.y.sign_bits(), slab.inverse.z.sign_bits()],
         }
     }
 
@@ -94,11 +94,18 @@ impl Way8 {
     #[inline(always)]
     pub fn split(&self) -> ([Hot; 8], [Turned; 8]) {
         let number = |n: u32| F32x8::from(f32::from_bits(n));
-        let (sheared, axis) = ShearedRay::new(self.slab.origin, self.dir);
+        let (ray, axis) = ShearedRay::new(self.slab.origin, self.dir);
         let last = axis.is_x.select(number(0), axis.is_y.select(number(1), number(2)));
-        let (d, s, none) = (self.dir, sheared.shear, F32x8::ZERO);
-        let turned = F32x8::transpose([d.x, d.y, d.z, s.0, s.1, last, number(u32::from(self.admits)), none]);
+        let (o, s) = (ray.origin, ray.shear);
+        let turned = F32x8::transpose([o.x, o.y, o.z, s.0, s.1, ray.dz, last, number(u32::from(self.admits))]);
         (bytemuck::cast(self.rows()), bytemuck::cast(turned))
+    }
+
+    /// Directions one by one.
+    #[inline(always)]
+    pub fn directions(&self) -> [Direction; 8] {
+        let (x, y, z) = (self.dir.x.as_array(), self.dir.y.as_array(), self.dir.z.as_array());
+        std::array::from_fn(|i| [x[i], y[i], z[i]])
     }
 
     /// The lanes among `lanes` whose intervals begin at zero or later.
@@ -162,16 +169,6 @@ impl Eight {
         Self { way: *way, sheared, axis, axis_bits: (axis.is_x.bits(), axis.is_y.bits()) }
     }
 
-    /// The longest axis of the direction in `lane`.
-    #[inline(always)]
-    fn longest_axis(&self, lane: usize) -> u8 {
-        match (self.axis_bits.0 >> lane & 1, self.axis_bits.1 >> lane & 1) {
-            (1, _) => 0,
-            (_, 1) => 1,
-            _ => 2,
-        }
-    }
-
     /// The longest axis of all of `lanes`, where they agree.
     #[inline(always)]
     pub fn common_axis(&self, lanes: u8) -> Option<usize> {
@@ -192,68 +189,72 @@ impl Default for Eight {
     }
 }
 
-/// One ray in all eight lanes.
+/// One ray for kernels that take it alone, in pieces of which each step reads what it needs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct One {
-    /// Start and inverse direction.
-    pub slab: SlabRay<F32x8>,
-    /// Direction.
-    pub dir: Vec3x8,
-    /// Turned and sheared for the triangle test.
-    pub sheared: ShearedRay<F32x8>,
-    /// The axes in the order in which the triangle test wants them, the longest last.
-    pub axes: [usize; 3],
-    /// Lower end of the interval.
-    pub t_min: F32x8,
+pub(super) struct One<'a> {
+    /// For boxes.
+    pub hot: &'a Hot,
+    /// For triangles.
+    pub turned: &'a Turned,
+    /// For spheres.
+    pub dir: &'a Direction,
     /// For each axis, 1 where the ray runs backwards along it.
     pub octant: [usize; 3],
+}
+
+/// The same three numbers in all lanes.
+#[inline(always)]
+fn all([x, y, z]: [f32; 3]) -> Vec3x8 {
+    Vec3x8::new(F32x8::from(x), F32x8::from(y), F32x8::from(z))
+}
+
+impl<'a> One<'a> {
+    /// From its pieces.
+    #[inline(always)]
+    pub fn new(hot: &'a Hot, turned: &'a Turned, dir: &'a Direction) -> Self {
+        Self { hot, turned, dir, octant: hot.inverse.map(|x| usize::from(x.is_sign_negative())) }
+    }
+
+    /// Start and inverse direction.
+    #[inline(always)]
+    pub fn slab(&self) -> SlabRay<F32x8> {
+        self.hot.slab()
+    }
+
+    /// Turned and sheared for the triangle test.
+    #[inline(always)]
+    pub fn sheared(&self) -> ShearedRay<F32x8> {
+        let Turned { origin, shear, dz, .. } = *self.turned;
+        ShearedRay { origin: all(origin), shear: (F32x8::from(shear[0]), F32x8::from(shear[1])), dz: F32x8::from(dz) }
+    }
+
+    /// The axes in the order in which the triangle test wants them, the longest last.
+    #[inline(always)]
+    pub fn axes(&self) -> [usize; 3] {
+        TURNED[self.turned.last as usize]
+    }
+
+    /// Direction.
+    #[inline(always)]
+    pub fn dir(&self) -> Vec3x8 {
+        all(*self.dir)
+    }
+
+    /// Lower end of the interval.
+    #[inline(always)]
+    pub fn t_min(&self) -> F32x8 {
+        F32x8::from(self.hot.t_min)
+    }
+
     /// Kinds of geometry looked for.
-    pub admits: u8,
-}
-
-impl One {
-    /// The ray of a batch.
     #[inline(always)]
-    pub fn from(hot: &Hot, turned: &Turned) -> Self {
-        let all = |[x, y, z]: [f32; 3]| Vec3x8::new(F32x8::from(x), F32x8::from(y), F32x8::from(z));
-        let axes = TURNED[turned.last as usize];
-        let backwards = |x: f32| usize::from(x.is_sign_negative());
-        Self {
-            slab: SlabRay { origin: all(hot.origin), inverse: all(hot.inverse) },
-            dir: all(turned.dir),
-            sheared: ShearedRay {
-                origin: all(axes.map(|axis| hot.origin[axis])),
-                shear: (F32x8::from(turned.shear[0]), F32x8::from(turned.shear[1])),
-                dz: F32x8::from(turned.dir[axes[2]]),
-            },
-            axes,
-            t_min: F32x8::from(hot.t_min),
-            octant: hot.inverse.map(backwards),
-            admits: turned.admits as u8,
-        }
-    }
-
-    /// The ray in one lane of a packet.
-    #[inline(always)]
-    pub fn new(rays: &Eight, lane: usize) -> Self {
-        let all = |x: &F32x8| F32x8::from(x.lane(lane));
-        let spread = |v: &Vec3x8| Vec3x8::new(all(&v.x), all(&v.y), all(&v.z));
-        let slab = |s: &SlabRay<F32x8>| SlabRay { origin: spread(&s.origin), inverse: spread(&s.inverse) };
-        Self {
-            slab: slab(&rays.way.slab),
-            dir: spread(&rays.way.dir),
-            sheared: ShearedRay {
-                origin: spread(&rays.sheared.origin),
-                shear: (all(&rays.sheared.shear.0), all(&rays.sheared.shear.1)),
-                dz: all(&rays.sheared.dz),
-            },
-            axes: TURNED[usize::from(rays.longest_axis(lane))],
-            t_min: all(&rays.way.t_min),
-            octant: rays.way.octant(lane),
-            admits: rays.way.admits,
-        }
+    pub fn admits(&self) -> u8 {
+        self.turned.admits as u8
     }
 }
+
+/// Where a ray goes.
+pub(super) type Direction = [f32; 3];
 
 /// What the box test needs of a ray, in half a cache line.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -266,25 +267,30 @@ pub(super) struct Hot {
     pub t_max: f32,
 }
 
-/// What else the shapes ask of a ray.
+/// What the triangle test needs of a ray besides, in another half.
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Turned {
-    dir: [f32; 3],
+    /// As [`ShearedRay`] has them.
+    origin: [f32; 3],
     shear: [f32; 2],
+    dz: f32,
     /// The longest axis of the direction.
     last: u32,
     admits: u32,
-    unused: u32,
 }
 
 impl Hot {
+    /// Start and inverse direction.
+    #[inline(always)]
+    pub fn slab(&self) -> SlabRay<F32x8> {
+        SlabRay { origin: all(self.origin), inverse: all(self.inverse) }
+    }
+
     /// Which of eight boxes it meets, by their planes in the order in which it reaches them.
     #[inline(always)]
     pub fn meet(&self, near: Vec3x8, far: Vec3x8) -> u8 {
-        let all = |[x, y, z]: [f32; 3]| Vec3x8::new(F32x8::from(x), F32x8::from(y), F32x8::from(z));
-        let slab = SlabRay { origin: all(self.origin), inverse: all(self.inverse) };
-        let (enter, leave) = slab.clip_sorted(near, far, F32x8::from(self.t_min), F32x8::from(self.t_max));
+        let (enter, leave) = self.slab().clip_sorted(near, far, F32x8::from(self.t_min), F32x8::from(self.t_max));
         enter.le(leave).bits()
     }
 }

@@ -53,16 +53,17 @@ impl Sphere8 {
 
     #[inline(always)]
     fn meet_one(&self, ray: &One, t_max: f32) -> (F32x8, u8) {
-        let (t, met) = intersect(&ray.slab, ray.dir, self.centre, self.radius, ray.t_min, F32x8::from(t_max));
-        (t, met.bits() & self.tags.admitted(ray.admits))
+        let (t, met) = intersect(&ray.slab(), ray.dir(), self.centre, self.radius, ray.t_min(), F32x8::from(t_max));
+        (t, met.bits() & self.tags.admitted(ray.admits()))
     }
 }
 
 impl Leaf for Sphere8 {
     #[inline(always)]
-    fn closest_one(&self, ray: &One, best: &mut Best) {
-        let (t, met) = self.meet_one(ray, best.t);
+    fn closest_one(&self, ray: &One, t_max: f32, best: &mut Best) -> bool {
+        let (t, met) = self.meet_one(ray, t_max);
         best.take(met, t, F32x8::ZERO, F32x8::ZERO, &self.tags);
+        met != 0
     }
 
     #[inline(always)]

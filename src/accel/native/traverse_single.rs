@@ -2,16 +2,18 @@
 
 use super::bvh8::{Bvh8, Child};
 use super::leaf::{Best, Best8, Leaf};
-use super::rays::{Eight, One, each};
+use super::rays::{One, Way8, each};
 use super::stack::{Entry, Stack, nearest_last};
+use crate::math::Real;
 use crate::simd::F32x8;
 
 /// The nearest hits of the rays in `lanes`, each taken into its lane of `best`.
 #[inline(never)]
-pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, best: &mut Best8, stack: &mut Stack) {
+pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, best: &mut Best8, stack: &mut Stack) {
+    let ((hot, turned), dirs) = (rays.split(), rays.directions());
     each(lanes, |i| {
         let mut one = best.lane(i);
-        closest(tree, tree.root, &One::new(rays, i), &mut one, stack);
+        closest(tree, tree.root, &One::new(&hot[i], &turned[i], &dirs[i]), &mut one, stack);
         best.set_lane(i, &one);
     });
 }
@@ -20,18 +22,21 @@ pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, bes
 #[inline(always)]
 pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mut Best, stack: &mut Stack) {
     walk(tree, from, ray, best.t, stack, |leaf, t| {
-        leaf.closest_one(ray, best);
-        *t = best.t;
+        if leaf.closest_one(ray, *t, best) {
+            *t = best.t;
+        }
         false
     });
 }
 
 /// Which rays of `lanes` meet anything.
 #[inline(never)]
-pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Eight, lanes: u8, stack: &mut Stack) -> u8 {
+pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, stack: &mut Stack) -> u8 {
+    let ((hot, turned), dirs) = (rays.split(), rays.directions());
     let mut blocked = 0;
     each(lanes, |i| {
-        let met = occluded(tree, tree.root, &One::new(rays, i), rays.way.t_max.lane(i), stack);
+        let ray = One::new(&hot[i], &turned[i], &dirs[i]);
+        let met = occluded(tree, tree.root, &ray, hot[i].t_max, stack);
         blocked |= u8::from(met) << i;
     });
     blocked
@@ -59,12 +64,14 @@ fn walk<L: Leaf>(
         return false;
     }
     let mut limit = F32x8::from(t_max);
+    let (slab, t_min) = (ray.slab(), ray.t_min());
     loop {
         let mut dead_end = false;
         while !here.is_leaf() {
             let node = &tree.nodes[here.index()];
-            let (met, enter) = node.meet_one(ray, limit);
-            let mut left = met;
+            let (near, far) = node.sorted(ray.octant);
+            let (enter, leave) = slab.clip_sorted(near, far, t_min, limit);
+            let mut left = enter.le(leave).bits();
             if left == 0 {
                 dead_end = true;
                 break;

@@ -15,7 +15,7 @@ use crate::geometry::{Hit8, Ray8};
 use crate::simd::{F32x8, Mask8};
 
 /// Packets whose scattered rays are gathered into one batch.
-pub(super) const STRETCH: usize = 128;
+pub(super) const STRETCH: usize = 512;
 
 /// Nodes in which a tile's beam is looked for anything that it may meet, before its packets are made ready.
 const VISITS: usize = 12;
@@ -54,7 +54,7 @@ impl Kernel {
             Self::Auto => {
                 let coherent = coherence == Coherence::Coherent;
                 // Within some 13 degrees, and 15.
-                let (enough, agreement) = if coherent { (4, 0.95) } else { (6, 0.93) };
+                let (enough, agreement) = if coherent { (4, 0.95) } else { (6, 0.998) };
                 let of_octant = way.same_octant(left);
                 if !coherent && of_octant.count_ones() < enough {
                     return Share::Apart(left);
@@ -211,11 +211,11 @@ impl Trees<'_> {
                         continue;
                     }
                     if kernel == Kernel::Single {
-                        let (eight, mut best) = (Eight::new(&way), Best8::new(way.t_max));
+                        let mut best = Best8::new(way.t_max);
                         if self.any_sphere() {
-                            traverse_single::closest_each(self.spheres, &eight, apart, &mut best, single);
+                            traverse_single::closest_each(self.spheres, &way, apart, &mut best, single);
                         }
-                        traverse_single::closest_each(self.triangles, &eight, apart, &mut best, single);
+                        traverse_single::closest_each(self.triangles, &way, apart, &mut best, single);
                         best.write(apart, hit);
                     } else {
                         self.gather(batch, &way, k * TILE + i, apart);
@@ -233,9 +233,9 @@ impl Trees<'_> {
             }
             if !batch.is_empty() {
                 if self.any_sphere() {
-                    batch.closest(self.spheres, single);
+                    batch.closest(self.spheres);
                 }
-                batch.closest(self.triangles, single);
+                batch.closest(self.triangles);
                 batch.finish(hits);
             }
         }
@@ -266,12 +266,11 @@ impl Trees<'_> {
                         continue;
                     }
                     if kernel == Kernel::Single {
-                        let eight = Eight::new(&way);
                         let met = &mut found[k * TILE + i];
                         if self.any_sphere() {
-                            *met = traverse_single::occluded_each(self.spheres, &eight, apart, single);
+                            *met = traverse_single::occluded_each(self.spheres, &way, apart, single);
                         }
-                        *met |= traverse_single::occluded_each(self.triangles, &eight, apart & !*met, single);
+                        *met |= traverse_single::occluded_each(self.triangles, &way, apart & !*met, single);
                     } else {
                         self.gather(batch, &way, k * TILE + i, apart);
                     }
@@ -288,9 +287,9 @@ impl Trees<'_> {
             }
             if !batch.is_empty() {
                 if self.any_sphere() {
-                    batch.occluded(self.spheres, single);
+                    batch.occluded(self.spheres);
                 }
-                batch.occluded(self.triangles, single);
+                batch.occluded(self.triangles);
                 batch.finish_blocked(&mut found);
             }
             for (blocked, &found) in blocked.iter_mut().zip(&found) {

@@ -37,7 +37,9 @@ fn intersect(
     admitted: impl FnOnce() -> u8,
 ) -> Option<Met> {
     let edges = ray.edges(turned);
-    let may_hit = edges.may_hit().bits();
+    let weights = edges.weigh();
+    // One branch that is seldom taken, instead of one at every step: rays overlap in the CPU as far as it guesses right.
+    let may_hit = (edges.may_hit() & edges.may_lie_within(&weights, ray, t_min, t_max)).bits();
     if may_hit == 0 {
         return None;
     }
@@ -45,7 +47,7 @@ fn intersect(
     if candidates == 0 {
         return None;
     }
-    let mut solved = edges.solve(ray);
+    let mut solved = weights.solve(ray);
     let mut lanes = candidates;
     let doubtful = solved.doubtful.bits() & candidates;
     if doubtful != 0 {
@@ -105,7 +107,7 @@ impl Tri8 {
 
     #[inline(always)]
     fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met> {
-        let [x, y, z] = ray.axes;
+        let [x, y, z] = ray.axes();
         let [a, b, c] = &self.corners;
         let turned = [Vec3x8::new(a[x], a[y], a[z]), Vec3x8::new(b[x], b[y], b[z]), Vec3x8::new(c[x], c[y], c[z])];
         let limit = |t: F32x8| {
@@ -115,10 +117,10 @@ impl Tri8 {
             let near = |axis: usize| planes[axis][ray.octant[axis] & 1];
             let far = |axis: usize| planes[axis][(ray.octant[axis] & 1) ^ 1];
             let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
-            ray.slab.limit_sorted(near, far, t)
+            ray.slab().limit_sorted(near, far, t)
         };
-        let interval = (ray.t_min, F32x8::from(t_max));
-        intersect(&ray.sheared, &turned, limit, interval, || self.tags.admitted(ray.admits))
+        let interval = (ray.t_min(), F32x8::from(t_max));
+        intersect(&ray.sheared(), &turned, limit, interval, || self.tags.admitted(ray.admits()))
     }
 
     /// Calls `found` with the hits with each triangle in `slots` that the rays look for; it gives the new limits.
@@ -173,10 +175,12 @@ impl Tri8 {
 
 impl Leaf for Tri8 {
     #[inline(always)]
-    fn closest_one(&self, ray: &One, best: &mut Best) {
-        if let Some(met) = self.meet_one(ray, best.t) {
+    fn closest_one(&self, ray: &One, t_max: f32, best: &mut Best) -> bool {
+        let met = self.meet_one(ray, t_max);
+        if let Some(met) = &met {
             best.take(met.lanes.bits(), met.t, met.u, met.v, &self.tags);
         }
+        met.is_some()
     }
 
     #[inline(always)]
@@ -186,7 +190,9 @@ impl Leaf for Tri8 {
 
     #[inline(always)]
     fn boxes(&self) -> Planes {
-        let (lo, hi) = grown_box(&self.corners.map(|[x, y, z]| Vec3x8::new(x, y, z)));
+        // Spelled out: a `map` over these arrays goes through memory.
+        let corner = |k: usize| Vec3x8::new(self.corners[k][0], self.corners[k][1], self.corners[k][2]);
+        let (lo, hi) = grown_box(&[corner(0), corner(1), corner(2)]);
         [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]]
     }
 

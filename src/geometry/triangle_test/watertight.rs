@@ -42,7 +42,7 @@ impl TriangleTest for Watertight {
         if !hit.any() {
             return Meeting { hit, t: zero, u: zero, v: zero, settled: none };
         }
-        let solved = edges.solve(&ray.sheared);
+        let solved = edges.weigh().solve(&ray.sheared);
         let mut meeting = Meeting { hit, t: solved.t, u: solved.u, v: solved.v, settled: none };
         let doubtful = solved.doubtful & hit;
         if doubtful.any() {
