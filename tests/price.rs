@@ -100,7 +100,7 @@ fn a_study_leaves_a_table_a_page_and_figures_and_goes_on_where_it_ended() {
         assert!(table.contains(words), "{words} in\n{table}");
     }
     let report = study.report();
-    assert_eq!(names(&report), ["default", "fresnel off", "fresnel schlick"]);
+    assert_eq!(names(&report), ["default", "fresnel off", "fresnel schlick", "fresnel polarised"]);
     assert_eq!((report["finished"].as_bool(), report["subject"]["width"].as_u64()), (Some(true), Some(32)));
     for row in report["rows"].as_array().unwrap() {
         assert!(row["seconds"]["median"].as_f64().unwrap() > 0.0);
@@ -112,8 +112,9 @@ fn a_study_leaves_a_table_a_page_and_figures_and_goes_on_where_it_ended() {
     }
     let error = |i: usize| report["rows"][i]["own"]["rmse"].as_f64().unwrap();
     assert!(error(0) < error(2) && error(2) < error(1), "off is worse than Schlick, Schlick than exact");
+    assert!(error(3) < error(0), "and light without polarisation is worse than light with it");
     let csv = std::fs::read_to_string(study.out().join("report.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 4);
+    assert_eq!(csv.lines().count(), 5);
 
     // Another axis is added to what is there, which is not measured again.
     let before = study.journal();
@@ -140,7 +141,7 @@ fn a_journal_that_was_cut_short_or_is_of_something_else_is_noticed() {
     let cut = &text[..text.trim_end().rfind('\n').unwrap() + 40];
     std::fs::write(study.out().join("study/journal.jsonl"), format!("{cut}\n")).unwrap();
     study.run(&["--axes", "fresnel", "--single", "--quiet"]);
-    assert_eq!(names(&study.report()), ["default", "fresnel off", "fresnel schlick"]);
+    assert_eq!(names(&study.report()), ["default", "fresnel off", "fresnel schlick", "fresnel polarised"]);
 
     study.command(&["--samples", "2"]).assert().code(2).stderr(contains("--fresh"));
     study.run(&["--samples", "2", "--axes", "fresnel", "--single", "--quiet", "--fresh"]);
@@ -159,12 +160,51 @@ fn what_is_left_out_is_said() {
         ),
     )
     .unwrap();
-    study.run(&["--axes", "spheres,backend", "--single", "--quiet"]);
+    // A lamp on the floor weakens with the square of a distance that may be 0.
+    let text = std::fs::read_to_string(study.scene()).unwrap().replace("position = [2, 5, 3]", "position = [2, 0, 3]");
+    std::fs::write(study.scene(), text.replace("ior = 1.5", "ior = 1.5\nabbe = 50")).unwrap();
+    study.run(&["--axes", "spheres,backend,fresnel,cutoff", "--single", "--quiet"]);
     let left_out = study.report()["left_out"].to_string();
     assert!(left_out.contains("spheres: the scene has no exact sphere"), "{left_out}");
+    for words in
+        ["fresnel polarised: --fresnel polarised is not for", "cutoff proven 1/64, cutoff proven 1/512, cutoff"]
+    {
+        assert!(left_out.contains(words), "{words} in {left_out}");
+    }
+    assert!(!names(&study.report()).iter().any(|name| name.contains("proven") || name.contains("polarised")));
     if !cfg!(feature = "embree") {
         assert!(left_out.contains("backend embree"), "{left_out}");
     }
+}
+
+#[test]
+fn triangle_tests_and_reciprocals_are_compared_within_one_walk_and_proven_cut_offs_are_levels() {
+    let study = Study::new();
+    let text = std::fs::read_to_string(study.scene()).unwrap();
+    let torus = "shape = \"torus\"\nmajor = 0.6\nminor = 0.2";
+    std::fs::write(study.scene(), text.replace("shape = \"sphere\"\nradius = 0.8\ncenter = [0, 0.85, 0]", torus))
+        .unwrap();
+    let output = study.run(&["--axes", "triangles,reciprocal,cutoff", "--single"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    assert!(table.contains("over watertight's walk") && table.contains("fell to f64"), "{table}");
+    let report = study.report();
+    let row = |name: &str| report["rows"].as_array().unwrap().iter().find(|r| r["name"] == name).unwrap();
+    for name in ["plane-area", "moller-trumbore", "pluecker", "watertight", "certified"] {
+        let row = row(&format!("triangles {name}"));
+        assert!(row["walk"]["median"].as_f64().unwrap() > 0.0, "{row}");
+        assert!(row["command"].as_str().unwrap().contains(&format!("--backend native --triangles {name}")), "{row}");
+        assert!(!row["front"].as_bool().unwrap() || row["own"]["rmse"].as_f64() > Some(0.0));
+    }
+    assert!(row("default")["walk"].is_null());
+    assert!(row("triangles certified")["settled"].as_f64().unwrap() > 0.0);
+    // The watertight test with true division is the default's own, to the bit.
+    assert_eq!(row("triangles watertight")["change"]["max"], 0.0);
+    assert!(row("reciprocal newton")["change"]["max"].as_f64() <= row("reciprocal estimate")["change"]["max"].as_f64());
+    let proven = row("cutoff proven 1/512");
+    assert!(proven["command"].as_str().unwrap().contains("--cutoff-error 0.001953125"), "{proven}");
+    // The bound is beside the same depth without a cut-off; a finer one is no worse than a coarser.
+    assert!(proven["own"]["rmse"].as_f64() <= row("cutoff proven 1/64")["own"]["rmse"].as_f64());
 }
 
 #[test]

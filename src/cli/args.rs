@@ -62,6 +62,7 @@ pub(super) enum Command {
   vitrum render scenes/glass.toml -o proven.png --cutoff-error 0.002
   vitrum render scenes/glass.toml -o polarised.png --fresnel polarised
   vitrum render scenes/glass.toml --quiet --json > summary.json
+  vitrum render bunny.obj -o holes.png --triangles moller-trumbore
   vitrum render scenes/glass.toml --max-error 1/512
   vitrum render scenes/glass.toml --time-budget 2s
 
@@ -143,6 +144,14 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, help_heading = "Machine")]
     pub backend: Option<BackendArg>,
 
+    /// Ray/triangle test, by native's hierarchy one ray at a time: slow, to compare tests [default: the back end's own]
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub triangles: Option<TrianglesArg>,
+
+    /// One over a number in the same walk; estimates differ between CPU makers [default: exact]
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub reciprocal: Option<ReciprocalArg>,
+
     /// Choose what keeps every channel within E (1/512, 0.002), the cheapest; what is given besides stays
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with_all = ["time_budget", "exposure"], help_heading = "Budget")]
     pub max_error: Option<f64>,
@@ -171,6 +180,31 @@ pub(super) struct RenderArgs {
     /// No progress bar, no warnings and no summary
     #[arg(short, long, help_heading = "Reports")]
     pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum TrianglesArg {
+    /// Plane and signed areas, of the lecture notes
+    PlaneArea,
+    /// Möller and Trumbore
+    MollerTrumbore,
+    /// Plücker coordinates, as Embree's robust mode
+    Pluecker,
+    /// Woop, Benthin and Wald's, the renderer's own
+    #[value(alias = "woop")]
+    Watertight,
+    /// f32 with a bound on its error, f64 where that does not decide
+    Certified,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ReciprocalArg {
+    /// True division
+    Exact,
+    /// The hardware's estimate and one Newton step
+    Newton,
+    /// The hardware's estimate
+    Estimate,
 }
 
 /// Compare two pictures of the same size.

@@ -4,9 +4,11 @@ use std::time::{Duration, Instant};
 
 use super::args::BackendArg;
 use super::interrupt;
-use crate::accel::{BuildStats, Intersector, Unbounded, native::Native};
+use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
+use crate::accel::{BuildStats, Intersector, Unbounded};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
+use crate::simd::ReciprocalModel;
 use crate::{Error, Result};
 
 /// What traces rays.
@@ -14,6 +16,8 @@ use crate::{Error, Result};
 pub(super) enum Backend {
     /// The eight-wide hierarchy, in `f32`.
     Native,
+    /// The same hierarchy, one ray at a time by a triangle test and a reciprocal of choice.
+    Walk(TriangleModel, ReciprocalModel),
     /// The scalar renderer in `f64`.
     Reference,
     /// Embree, in one of its modes.
@@ -56,7 +60,7 @@ impl Backend {
     /// The name in reports and metadata, as the command line has it.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Native => "native",
+            Self::Native | Self::Walk(..) => "native",
             Self::Reference => "reference",
             #[cfg(feature = "embree")]
             Self::Embree(crate::accel::embree::Mode::Robust) => "embree",
@@ -75,6 +79,8 @@ pub(super) struct Traced {
     pub render_time: Duration,
     /// Version of the library that traced the rays, where it was not this program itself.
     pub library: Option<String>,
+    /// Lanes of triangle tests, where the test was chosen.
+    pub lanes: Option<Lanes>,
 }
 
 /// Starts rayon's own threads, which build trees, once for the whole program.
@@ -95,11 +101,16 @@ pub(super) fn start_threads(options: &Options) -> Result<()> {
 pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer: &Observer) -> Result<Traced> {
     let start = Instant::now();
     match backend {
-        Backend::Native => with(Native::build(&scene.geometry), start, scene, options, observer),
+        Backend::Native => Ok(with(Native::build(&scene.geometry), start, scene, options, observer)?.0),
+        Backend::Walk(triangles, reciprocal) => {
+            let walk = Walk::build(&scene.geometry, triangles, reciprocal);
+            let (traced, accel) = with(walk, start, scene, options, observer)?;
+            Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
+        }
         Backend::Reference => {
             let outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
             let render_time = start.elapsed();
-            Ok(Traced { outcome, build: None, build_time: Duration::ZERO, render_time, library: None })
+            Ok(Traced { outcome, build: None, build_time: Duration::ZERO, render_time, library: None, lanes: None })
         }
         #[cfg(feature = "embree")]
         Backend::Embree(mode) => {
@@ -108,7 +119,7 @@ pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer
             let built =
                 Embree::build(&scene.geometry, &embree::Options { mode, threads, ..embree::Options::default() })?;
             let [major, minor, patch] = built.library().version;
-            let traced = with(built, start, scene, options, observer)?;
+            let traced = with(built, start, scene, options, observer)?.0;
             Ok(Traced { library: Some(format!("Embree {major}.{minor}.{patch}")), ..traced })
         }
     }
@@ -121,10 +132,12 @@ fn with<I: Intersector>(
     scene: &Scene,
     options: &Options,
     observer: &Observer,
-) -> Result<Traced> {
+) -> Result<(Traced, Unbounded<I>)> {
     let accel = Unbounded::new(bounded, &scene.geometry);
     let build_time = start.elapsed();
     let outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
     let render_time = start.elapsed() - build_time;
-    Ok(Traced { outcome, build: Some(accel.build_stats()), build_time, render_time, library: None })
+    let traced =
+        Traced { outcome, build: Some(accel.build_stats()), build_time, render_time, library: None, lanes: None };
+    Ok((traced, accel))
 }

@@ -10,7 +10,7 @@ use crate::study::budget::check::{self, Check};
 use crate::study::budget::{self, Candidate, Choice, Wish};
 use crate::study::errors::VISIBLE;
 use crate::study::spheres::with_spheres;
-use crate::study::{self, Axis, Precision, Variant};
+use crate::study::{self, Axis, Level, Precision, Variant};
 use crate::{Error, Result};
 
 /// Pixels that are listed one by one.
@@ -51,6 +51,11 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
         spheres: job.spheres,
         ..Variant::of(&scene.settings, of_study(job.backend)?)
     };
+    let given = job.options.cutoff_error.map_or(given, |error| given.with(Level::Proven(error)));
+    let given = match job.backend {
+        Backend::Walk(triangles, reciprocal) => Variant { triangles: Some(triangles), reciprocal, ..given },
+        _ => given,
+    };
     let threads = job.options.threads;
     let choice = interrupt::heeded(|| budget::choose(scene, &given, &job.fixed, wish, threads, observer))?;
     for line in reasons(&choice, wish) {
@@ -87,7 +92,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
 
 fn of_study(backend: Backend) -> Result<study::Backend> {
     match backend {
-        Backend::Native => Ok(study::Backend::Native),
+        Backend::Native | Backend::Walk(..) => Ok(study::Backend::Native),
         #[cfg(feature = "embree")]
         Backend::Embree(mode) => Ok(match mode {
             crate::accel::embree::Mode::Fast => study::Backend::EmbreeFast,
@@ -103,10 +108,14 @@ fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Sce
     let variant = &candidate.variant;
     *scene = with_spheres(whole, variant.spheres);
     scene.settings = variant.settings(&whole.settings);
-    job.options = render::Options { tile: job.options.tile, ..variant.options(job.options.threads) };
+    let (tile, effects) = (job.options.tile, job.options.effects);
+    job.options = render::Options { tile, effects, ..variant.options(job.options.threads) };
     job.spheres = variant.spheres;
     job.backend = match (variant.precision, variant.backend) {
         (Precision::Double, _) => Backend::Reference,
+        _ if variant.walk().is_some() => {
+            variant.walk().map_or(Backend::Native, |(triangles, reciprocal)| Backend::Walk(triangles, reciprocal))
+        }
         (_, study::Backend::Native) => Backend::Native,
         #[cfg(feature = "embree")]
         (_, study::Backend::EmbreeFast) => Backend::Embree(crate::accel::embree::Mode::Fast),
@@ -133,7 +142,8 @@ fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
             format!("{:<10} {predicted}: nothing keeps half of {e:.1e} there, this comes closest", "predicted")
         }
         (Wish::Time(t), true) => {
-            format!("{:<10} {predicted}: the least error within four fifths of {:.3} s", "predicted", t.as_secs_f64())
+            let (slowest, t) = (first.slowest, t.as_secs_f64());
+            format!("{:<10} {predicted}: the least error whose slowest run ({slowest:.3} s) fits {t:.3} s", "predicted")
         }
         (Wish::Time(t), false) => {
             format!("{:<10} {predicted}: nothing fits {:.3} s, this is the fastest", "predicted", t.as_secs_f64())

@@ -32,9 +32,17 @@ pub(super) fn of(
     .into_iter()
     .chain((!options.effects.without.is_empty()).then(|| ("vitrum:without", without_names(options))))
     .chain(options.cutoff_error.map(|error| ("vitrum:cutoff-error", error.to_string())))
+    .chain(walk_names(backend).into_iter().flatten())
     .chain(library.map(|version| ("vitrum:library", version.to_owned())))
     .map(|(name, value)| (name.to_owned(), value))
     .collect()
+}
+
+/// The triangle test and the reciprocal, where they were chosen.
+fn walk_names(backend: Backend) -> Option<[(&'static str, String); 2]> {
+    let Backend::Walk(triangles, reciprocal) = backend else { return None };
+    let [triangles, reciprocal] = [triangles.name(), reciprocal.name()].map(String::from);
+    Some([("vitrum:triangles", triangles), ("vitrum:reciprocal", reciprocal)])
 }
 
 /// The name of a Fresnel formula, as the command line has it.

@@ -8,15 +8,19 @@ mod price;
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum as _;
+
 use super::args::{
-    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, ReflectionArg,
-    RefractionArg, RenderArgs, ShadowsArg, VerifyArgs,
+    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, ReciprocalArg,
+    ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg, VerifyArgs,
 };
 use super::backend::Backend;
+use crate::accel::native::TriangleModel;
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::scene::{Settings, ShadowRule};
+use crate::simd::ReciprocalModel;
 use crate::study::budget::Wish;
 use crate::study::{Axis, Spheres};
 use crate::trial::verify::{self, Group};
@@ -119,7 +123,7 @@ impl TryFrom<RenderArgs> for Render {
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
         let spread = args.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
-        let backend = Backend::choose(args.backend)?;
+        let backend = backend(&args)?;
         let name = match args.output {
             Some(name) => name,
             None => default_output(&args.scene)?,
@@ -142,12 +146,20 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Spheres, args.spheres.is_some()),
             (Axis::Cutoff, args.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.depth.is_some()),
-            (Axis::Backend, args.backend.is_some()),
+            (Axis::Backend, args.backend.is_some() || matches!(backend, Backend::Walk(..))),
+            (Axis::Triangles, args.triangles.is_some()),
+            (Axis::Reciprocal, args.reciprocal.is_some()),
         ];
         let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
         if wish.is_some() && backend == Backend::Reference {
             return Err(Error::Usage(String::from(
                 "--backend reference: f64 is exact already; leave --max-error or --time-budget out",
+            )));
+        }
+        if let (Some(_), Some(left_out)) = (wish, effects.without.iter().next()) {
+            return Err(Error::Usage(format!(
+                "--{}: a budget is for the whole of a scene's effects; leave it out, or --max-error and --time-budget",
+                left_out.flag()
             )));
         }
         Ok(Self {
@@ -190,6 +202,49 @@ impl TryFrom<RenderArgs> for Render {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+/// What traces rays.
+///
+/// # Errors
+/// Usage, where a triangle test or a reciprocal is chosen for a back end that has its own; a limit, where this build has
+/// no Embree.
+fn backend(args: &RenderArgs) -> Result<Backend> {
+    let flag = match (args.triangles, args.reciprocal) {
+        (Some(_), _) => "--triangles",
+        (None, Some(_)) => "--reciprocal",
+        (None, None) => return Backend::choose(args.backend),
+    };
+    if let Some(given @ (BackendArg::Reference | BackendArg::Embree | BackendArg::EmbreeFast)) = args.backend {
+        let name = given.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+        return Err(Error::Usage(format!(
+            "{flag}: is a choice of the native hierarchy, --backend {name} has its own; leave one of them out"
+        )));
+    }
+    let triangles = args.triangles.map_or(TriangleModel::Watertight, Into::into);
+    Ok(Backend::Walk(triangles, args.reciprocal.map_or(ReciprocalModel::Exact, Into::into)))
+}
+
+impl From<TrianglesArg> for TriangleModel {
+    fn from(arg: TrianglesArg) -> Self {
+        match arg {
+            TrianglesArg::PlaneArea => Self::PlaneArea,
+            TrianglesArg::MollerTrumbore => Self::MollerTrumbore,
+            TrianglesArg::Pluecker => Self::Pluecker,
+            TrianglesArg::Watertight => Self::Watertight,
+            TrianglesArg::Certified => Self::Certified,
+        }
+    }
+}
+
+impl From<ReciprocalArg> for ReciprocalModel {
+    fn from(arg: ReciprocalArg) -> Self {
+        match arg {
+            ReciprocalArg::Exact => Self::Exact,
+            ReciprocalArg::Newton => Self::Newton,
+            ReciprocalArg::Estimate => Self::Estimate,
+        }
     }
 }
 

@@ -140,6 +140,7 @@ mod tests {
             build_time: Duration::ZERO,
             render_time: Duration::ZERO,
             library: None,
+            lanes: None,
         };
         let refused =
             |traced: &Traced| refuse_losses(Path::new("a.toml"), traced).map_err(|e| (e.exit_code(), e.to_string()));

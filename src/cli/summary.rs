@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::backend::Traced;
+use super::backend::{Backend, Traced};
 use super::budget::Spent;
 use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
@@ -35,6 +35,9 @@ pub(super) struct Summary<'a> {
     backend: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<String>,
+    /// The triangle test and the reciprocal, where they were chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    walk: Option<Walked>,
     simd: &'static str,
     threads: usize,
     tile: u32,
@@ -82,6 +85,17 @@ struct Size {
     media: usize,
     lights: usize,
     textures: usize,
+}
+
+/// What native's hierarchy was walked by, one ray at a time.
+#[derive(serde::Serialize)]
+struct Walked {
+    triangles: &'static str,
+    reciprocal: &'static str,
+    /// Triangle tests, a lane each.
+    tested: u64,
+    /// Those that fell to `f64`.
+    settled: u64,
 }
 
 #[derive(serde::Serialize)]
@@ -151,6 +165,12 @@ impl Truncated {
     }
 }
 
+fn walked(backend: Backend, traced: &Traced) -> Option<Walked> {
+    let (Backend::Walk(triangles, reciprocal), Some(lanes)) = (backend, traced.lanes) else { return None };
+    let (triangles, reciprocal) = (triangles.name(), reciprocal.name());
+    Some(Walked { triangles, reciprocal, tested: lanes.tested, settled: lanes.settled })
+}
+
 impl<'a> Summary<'a> {
     pub fn of(facts: &Facts<'a>) -> Self {
         let Facts { job, scene, report, traced, clipped, budget, seconds } = facts;
@@ -181,6 +201,7 @@ impl<'a> Summary<'a> {
             },
             backend: job.backend.name(),
             library: facts.traced.library.clone(),
+            walk: walked(job.backend, traced),
             simd: level::BUILT,
             threads: job.options.thread_count(),
             tile: job.options.tile,
@@ -260,6 +281,11 @@ impl<'a> Summary<'a> {
         let library = self.library.as_ref().map_or(String::new(), |version| format!(" ({version})"));
         let threads = counted(self.threads as u64, "thread");
         line("back end", format!("{}{library}, {}, {threads}", self.backend, self.simd));
+        if let Some(w) = &self.walk {
+            let (tested, share) = (grouped(w.tested), w.settled as f64 / w.tested.max(1) as f64 * 100.0);
+            let settled = format!("{} ({share:.3} %) settled in f64", grouped(w.settled));
+            line("triangles", format!("{}, reciprocal {}: {tested} tests, {settled}", w.triangles, w.reciprocal));
+        }
         let t = &self.seconds;
         line(
             "time",

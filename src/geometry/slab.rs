@@ -39,8 +39,13 @@ impl<R: Real> SlabRay<R> {
     /// From start and direction.
     #[inline(always)]
     pub fn new(origin: Vector3<R>, dir: Vector3<R>) -> Self {
-        let one = R::one();
-        Self { origin, inverse: Vector3::new(one / dir.x, one / dir.y, one / dir.z) }
+        Self::by(origin, dir, |x| R::one() / x)
+    }
+
+    /// The same with reciprocals as `reciprocal` has them.
+    #[inline(always)]
+    pub fn by(origin: Vector3<R>, dir: Vector3<R>, reciprocal: impl Fn(R) -> R) -> Self {
+        Self { origin, inverse: Vector3::new(reciprocal(dir.x), reciprocal(dir.y), reciprocal(dir.z)) }
     }
 
     /// Where the ray enters and leaves the box, within `t_min..=t_max`; it meets the box where enter <= leave.

@@ -91,11 +91,17 @@ impl<R: Real> ShearedRay<R> {
     /// From start and direction, with the axis that was chosen.
     #[inline(always)]
     pub fn new(origin: Vector3<R>, dir: Vector3<R>) -> (Self, Axis<R::Mask>) {
+        Self::by(origin, dir, |a, b| a / b)
+    }
+
+    /// The same with quotients as `quotient` has them.
+    #[inline(always)]
+    pub fn by(origin: Vector3<R>, dir: Vector3<R>, quotient: impl Fn(R, R) -> R) -> (Self, Axis<R::Mask>) {
         let d = dir.abs();
         let is_x = d.x.ge(d.y) & d.x.ge(d.z);
         let axis = Axis { is_x, is_y: !is_x & d.y.ge(d.z) };
         let dir = axis.turn(dir);
-        (Self { origin: axis.turn(origin), shear: (-(dir.x / dir.z), -(dir.y / dir.z)), dz: dir.z }, axis)
+        (Self { origin: axis.turn(origin), shear: (-quotient(dir.x, dir.z), -quotient(dir.y, dir.z)), dz: dir.z }, axis)
     }
 
     /// The edge functions of the triangle whose corners, with axes turned, are given.
@@ -142,11 +148,17 @@ impl<R: Real> Edges<R> {
     /// The weights, for lanes where [`Edges::may_hit`].
     #[inline(always)]
     pub fn weigh(&self) -> Weights<R> {
+        self.weigh_by(|x| R::one() / x)
+    }
+
+    /// The same with reciprocals as `reciprocal` has them.
+    #[inline(always)]
+    pub fn weigh_by(&self, reciprocal: impl Fn(R) -> R) -> Weights<R> {
         let [eu, ev, ew] = self.value;
         let sum = eu + ev + ew;
         let least = eu.abs().min_or(ev.abs().min_or(ew.abs()));
         let doubtful = least.eq(R::zero()) | sum.abs().lt(R::splat(SMALL_SUM));
-        let scale = R::one() / sum;
+        let scale = reciprocal(sum);
         let (first, u, v) = (eu * scale, ev * scale, ew * scale);
         let [a, b, c] = self.corners;
         Weights { u, v, z: first.fma(a.z, u.fma(b.z, v * c.z)), doubtful }
@@ -173,10 +185,16 @@ impl<R: Real> Weights<R> {
     /// `t` and the weights.
     #[inline(always)]
     pub fn solve(&self, ray: &ShearedRay<R>) -> Solution<R> {
+        self.solve_by(ray, |a, b| a / b)
+    }
+
+    /// The same with quotients as `quotient` has them.
+    #[inline(always)]
+    pub fn solve_by(&self, ray: &ShearedRay<R>, quotient: impl Fn(R, R) -> R) -> Solution<R> {
         // The share that is left for the third corner, so that 1 - u - v, too, is never negative.
         let u = self.u.min_or(R::one());
         let v = self.v.min_or(R::one() - u);
-        Solution { t: self.z / ray.dz, u, v, doubtful: self.doubtful }
+        Solution { t: quotient(self.z, ray.dz), u, v, doubtful: self.doubtful }
     }
 }
 

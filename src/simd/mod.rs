@@ -10,7 +10,7 @@ mod reciprocal;
 pub use f32x8::F32x8;
 pub use mask8::Mask8;
 pub use memory::{prefetch, room_for};
-pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal};
+pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal, ReciprocalModel};
 
 /// Eight three-vectors in structure-of-arrays.
 pub type Vec3x8 = crate::math::Vector3<F32x8>;

@@ -39,6 +39,39 @@ pub trait Reciprocal: Copy + Send + Sync + 'static {
 
     /// `1 / x`.
     fn of<R: Estimate>(x: R) -> R;
+
+    /// `a / b`, as `a` times the reciprocal.
+    #[inline(always)]
+    fn quotient<R: Estimate>(a: R, b: R) -> R {
+        a * Self::of(b)
+    }
+}
+
+/// The ways to work out `1 / x`, to be chosen from at run time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ReciprocalModel {
+    /// [`Division`].
+    #[default]
+    Exact,
+    /// [`NewtonStep`].
+    Newton,
+    /// [`Guess`].
+    Estimate,
+}
+
+impl ReciprocalModel {
+    /// All of them, the cheapest claim first.
+    pub const ALL: [Self; 3] = [Self::Estimate, Self::Newton, Self::Exact];
+
+    /// The name in tables and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => Division::NAME,
+            Self::Newton => NewtonStep::NAME,
+            Self::Estimate => Guess::NAME,
+        }
+    }
 }
 
 /// A true division: the nearest number, everywhere the same.
@@ -55,11 +88,17 @@ pub struct Guess;
 pub struct NewtonStep;
 
 impl Reciprocal for Division {
-    const NAME: &'static str = "division";
+    const NAME: &'static str = "exact";
 
     #[inline(always)]
     fn of<R: Estimate>(x: R) -> R {
         R::one() / x
+    }
+
+    /// One rounding, where a product with the reciprocal has two.
+    #[inline(always)]
+    fn quotient<R: Estimate>(a: R, b: R) -> R {
+        a / b
     }
 }
 

@@ -3,9 +3,11 @@
 use std::fmt;
 
 use crate::geometry::Shape;
+use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::render::Reflection;
 use crate::scene::{Interface, MirrorSource, Scene, ShadowRule};
+use crate::simd::ReciprocalModel;
 
 /// A choice that has a price.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -20,12 +22,16 @@ pub enum Axis {
     Shadows,
     /// Exact spheres or triangles.
     Spheres,
-    /// Below which weight a ray ends.
+    /// Below which weight a ray ends, or by what proof.
     Cutoff,
     /// How often a ray may reflect or refract.
     Depth,
     /// What finds hits.
     Backend,
+    /// Which ray/triangle test, in a walk of one ray at a time.
+    Triangles,
+    /// What one over a number is, in the same walk.
+    Reciprocal,
     /// Eight lanes of `f32`, or `f64`.
     Precision,
     /// Rays a pixel.
@@ -74,12 +80,18 @@ pub enum Level {
     Shadows(ShadowRule),
     /// See [`Axis::Spheres`].
     Spheres(Spheres),
-    /// See [`Axis::Cutoff`]; in 0..=1.
+    /// See [`Axis::Cutoff`]; a fixed weight in 0..=1.
     Cutoff(f32),
+    /// See [`Axis::Cutoff`]; what is cut changes no channel by more than this, above 0.
+    Proven(f32),
     /// See [`Axis::Depth`].
     Depth(u32),
     /// See [`Axis::Backend`].
     Backend(Backend),
+    /// See [`Axis::Triangles`]; none is the back end's own kernels.
+    Triangles(Option<TriangleModel>),
+    /// See [`Axis::Reciprocal`].
+    Reciprocal(ReciprocalModel),
     /// See [`Axis::Precision`].
     Precision(Precision),
     /// See [`Axis::Sampling`]: a grid of so many by so many.
@@ -88,7 +100,7 @@ pub enum Level {
 
 impl Axis {
     /// All of them, in the order in which they are studied.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Fresnel,
         Self::Refraction,
         Self::Reflection,
@@ -97,6 +109,8 @@ impl Axis {
         Self::Cutoff,
         Self::Depth,
         Self::Backend,
+        Self::Triangles,
+        Self::Reciprocal,
         Self::Precision,
         Self::Sampling,
     ];
@@ -113,6 +127,8 @@ impl Axis {
             Self::Cutoff => "cutoff",
             Self::Depth => "depth",
             Self::Backend => "backend",
+            Self::Triangles => "triangles",
+            Self::Reciprocal => "reciprocal",
             Self::Precision => "precision",
             Self::Sampling => "sampling",
         }
@@ -128,9 +144,9 @@ impl Axis {
     #[must_use]
     pub fn levels(self) -> Vec<Level> {
         match self {
-            Self::Fresnel => {
-                [FresnelModel::Off, FresnelModel::Schlick, FresnelModel::Exact].map(Level::Fresnel).to_vec()
-            }
+            Self::Fresnel => [FresnelModel::Off, FresnelModel::Schlick, FresnelModel::Exact, FresnelModel::Polarised]
+                .map(Level::Fresnel)
+                .to_vec(),
             Self::Refraction => {
                 let oliveira = [Oliveira::AS_PRINTED, Oliveira::WATER, Oliveira::GLASS]
                     .map(|c| Level::Refraction(RefractionModel::Oliveira, c));
@@ -153,9 +169,17 @@ impl Axis {
                 let bands = [8, 16, 32, 64, 128].map(Spheres::Bands);
                 bands.into_iter().chain([Spheres::Exact]).map(Level::Spheres).collect()
             }
-            Self::Cutoff => [4, 6, 8, 10, 12, 16].map(|bits| Level::Cutoff(2.0_f32.powi(-bits))).to_vec(),
+            Self::Cutoff => {
+                let fixed = [4, 6, 8, 10, 12, 16].map(|bits| Level::Cutoff(2.0_f32.powi(-bits)));
+                fixed.into_iter().chain([6, 9, 12].map(|bits| Level::Proven(2.0_f32.powi(-bits)))).collect()
+            }
             Self::Depth => [1, 2, 4, 8, 16, 64].map(Level::Depth).to_vec(),
             Self::Backend => [Backend::EmbreeFast, Backend::EmbreeRobust, Backend::Native].map(Level::Backend).to_vec(),
+            Self::Triangles => {
+                let own = std::iter::once(Level::Triangles(None));
+                own.chain(TriangleModel::ALL.map(|test| Level::Triangles(Some(test)))).collect()
+            }
+            Self::Reciprocal => ReciprocalModel::ALL.map(Level::Reciprocal).to_vec(),
             Self::Precision => [Precision::Single, Precision::Double].map(Level::Precision).to_vec(),
             Self::Sampling => [1, 2, 4, 8].map(Level::Sampling).to_vec(),
         }
@@ -189,6 +213,9 @@ impl Axis {
             Self::Spheres if !scene.geometry.iter().any(|g| matches!(g.shape, Shape::Sphere(_))) => {
                 Some("the scene has no exact sphere")
             }
+            Self::Triangles | Self::Reciprocal if !scene.geometry.iter().any(|g| matches!(g.shape, Shape::Mesh(_))) => {
+                Some("the scene has no triangle")
+            }
             _ => None,
         }
     }
@@ -204,9 +231,11 @@ impl Level {
             Self::Reflection(_) => Axis::Reflection,
             Self::Shadows(_) => Axis::Shadows,
             Self::Spheres(_) => Axis::Spheres,
-            Self::Cutoff(_) => Axis::Cutoff,
+            Self::Cutoff(_) | Self::Proven(_) => Axis::Cutoff,
             Self::Depth(_) => Axis::Depth,
             Self::Backend(_) => Axis::Backend,
+            Self::Triangles(_) => Axis::Triangles,
+            Self::Reciprocal(_) => Axis::Reciprocal,
             Self::Precision(_) => Axis::Precision,
             Self::Sampling(_) => Axis::Sampling,
         }
@@ -224,14 +253,35 @@ impl Level {
                 let c = name["oliveira c=".len()..].parse::<f64>().ok().filter(|c| *c > -1.0)?;
                 Some(Self::Refraction(RefractionModel::Oliveira, Oliveira { c }))
             }
-            Axis::Cutoff => {
-                let cutoff = match name.split_once('/') {
-                    Some((one, n)) => one.parse::<f32>().ok()? / n.parse::<f32>().ok()?,
-                    None => name.parse().ok()?,
-                };
-                (0.0..=1.0).contains(&cutoff).then_some(Self::Cutoff(cutoff))
-            }
+            Axis::Cutoff => match name.strip_prefix("proven ") {
+                Some(error) => share(error).filter(|e| *e > 0.0).map(Self::Proven),
+                None => share(name).map(Self::Cutoff),
+            },
             _ => axis.levels().into_iter().find(|level| level.to_string() == name),
+        }
+    }
+}
+
+/// A number in 0..=1, written as such or as a quotient.
+fn share(text: &str) -> Option<f32> {
+    let x = match text.split_once('/') {
+        Some((one, n)) => one.parse::<f32>().ok()? / n.parse::<f32>().ok()?,
+        None => text.parse().ok()?,
+    };
+    (0.0..=1.0).contains(&x).then_some(x)
+}
+
+/// `1/n` where it is one, else the number.
+struct Share(f32);
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Self(x) = *self;
+        let whole = 1.0 / x;
+        if x > 0.0 && x < 1.0 && whole.fract() == 0.0 && 1.0 / whole == x {
+            write!(f, "1/{whole}")
+        } else {
+            write!(f, "{x}")
         }
     }
 }
@@ -257,14 +307,11 @@ impl fmt::Display for Level {
             Self::Shadows(ShadowRule::Opaque) => f.write_str("opaque"),
             Self::Shadows(ShadowRule::Straight) => f.write_str("straight"),
             Self::Spheres(Spheres::Bands(n)) | Self::Depth(n) => write!(f, "{n}"),
-            Self::Cutoff(w) => {
-                let whole = 1.0 / w;
-                if w > 0.0 && w < 1.0 && whole.fract() == 0.0 && 1.0 / whole == w {
-                    write!(f, "1/{whole}")
-                } else {
-                    write!(f, "{w}")
-                }
-            }
+            Self::Cutoff(w) => write!(f, "{}", Share(w)),
+            Self::Proven(e) => write!(f, "proven {}", Share(e)),
+            Self::Triangles(None) => f.write_str("own"),
+            Self::Triangles(Some(test)) => f.write_str(test.name()),
+            Self::Reciprocal(model) => f.write_str(model.name()),
             Self::Backend(Backend::Native) => f.write_str("native"),
             Self::Backend(Backend::EmbreeFast) => f.write_str("embree-fast"),
             Self::Backend(Backend::EmbreeRobust) => f.write_str("embree"),
@@ -291,6 +338,8 @@ mod tests {
         assert_eq!(Level::parse(Axis::Cutoff, "0.004"), Some(Level::Cutoff(0.004)));
         assert_eq!(Level::Cutoff(0.004).to_string(), "0.004");
         assert_eq!(Level::Cutoff(1.0 / 1024.0).to_string(), "1/1024");
+        assert_eq!(Level::parse(Axis::Cutoff, "proven 0.01"), Some(Level::Proven(0.01)));
+        assert_eq!(Level::parse(Axis::Cutoff, "proven 0"), None);
         assert_eq!((Level::parse(Axis::Cutoff, "2"), Level::parse(Axis::Fresnel, "some")), (None, None));
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,16 +36,17 @@ impl<'a> Condition<'a> {
 
     /// For each pixel, whether its `f64` value moves by more than the tolerance when its camera rays move together by
     /// [`ULPS`] ulps of `f32`, or by as many for each level of their paths: to eight sides, directions by ulps of 1 or
-    /// origins by ulps of the eye's largest coordinate.
+    /// origins by ulps of the eye's largest coordinate. None where `until` came before the answer.
     ///
     /// # Errors
     /// `Interrupted`.
-    pub fn moves(&mut self, pixels: &[(u32, u32)]) -> Result<Vec<bool>> {
+    pub fn moves(&mut self, pixels: &[(u32, u32)], until: Option<Instant>) -> Result<Vec<Option<bool>>> {
         let fresh: Vec<(u32, u32)> = pixels.iter().copied().filter(|p| !self.known.contains_key(p)).collect();
         let this = &*self;
-        let found: Vec<bool> = fresh.par_iter().map(|&(x, y)| this.moved(x, y)).collect::<Result<_>>()?;
-        self.known.extend(fresh.into_iter().zip(found));
-        Ok(pixels.iter().map(|p| self.known[p]).collect())
+        let ask = |&(x, y): &(u32, u32)| this.moved(x, y, until);
+        let found: Vec<Option<bool>> = fresh.par_iter().map(ask).collect::<Result<_>>()?;
+        self.known.extend(fresh.into_iter().zip(found).filter_map(|(p, found)| Some((p, found?))));
+        Ok(pixels.iter().map(|p| self.known.get(p).copied()).collect())
     }
 
     /// By how few ulps its camera rays have to move for a pixel to move: the first of 1, 2, 4, ... up to [`ULPS`] for
@@ -54,7 +56,7 @@ impl<'a> Condition<'a> {
         let pixel = Pixel::of(self, x, y);
         let most = ULPS * pixel.levels();
         let steps = std::iter::successors(Some(1.0), |ulps| Some(ulps * 2.0)).take_while(|&ulps| ulps < most);
-        steps.chain([most]).find(|&ulps| pixel.moves(ulps))
+        steps.chain([most]).find(|&ulps| pixel.moves(ulps, &|| true) == Some(true))
     }
 
     /// The `f64` value of a pixel.
@@ -63,12 +65,14 @@ impl<'a> Condition<'a> {
         Pixel::of(self, x, y).here
     }
 
-    fn moved(&self, x: u32, y: u32) -> Result<bool> {
-        if self.observer.stop.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted);
-        }
-        let pixel = Pixel::of(self, x, y);
-        Ok(pixel.moves(ULPS) || pixel.moves(ULPS * pixel.levels()))
+    fn moved(&self, x: u32, y: u32, until: Option<Instant>) -> Result<Option<bool>> {
+        let stopped = || self.observer.stop.load(Ordering::Relaxed);
+        let goes_on = || !stopped() && until.is_none_or(|until| Instant::now() < until);
+        let found = goes_on().then(|| Pixel::of(self, x, y)).and_then(|pixel| {
+            let moves = pixel.moves(ULPS, &goes_on)?;
+            if moves { Some(true) } else { pixel.moves(ULPS * pixel.levels(), &goes_on) }
+        });
+        if stopped() { Err(Error::Interrupted) } else { Ok(found) }
     }
 }
 
@@ -103,9 +107,10 @@ impl<'a> Pixel<'a> {
         sum
     }
 
-    fn moves(&self, ulps: f64) -> bool {
+    /// None where it was told not to go on.
+    fn moves(&self, ulps: f64, goes_on: &dyn Fn() -> bool) -> Option<bool> {
         let reach = self.condition.scene.camera.eye.as_dvec3().abs().max_element();
-        (0..16).any(|k| {
+        let moves = |k: u32| {
             let (sin, cos) = (f64::from(k / 2) * FRAC_PI_4).sin_cos();
             let there = self.mean(|dir| {
                 let (right, up) = dir.any_orthonormal_pair();
@@ -113,7 +118,16 @@ impl<'a> Pixel<'a> {
                 if k % 2 == 0 { [DVec3::ZERO, step] } else { [step * reach, DVec3::ZERO] }
             });
             there.iter().zip(self.here).any(|(a, b)| (a - b).abs() > self.condition.tolerance)
-        })
+        };
+        for k in 0..16 {
+            if !goes_on() {
+                return None;
+            }
+            if moves(k) {
+                return Some(true);
+            }
+        }
+        Some(false)
     }
 
     /// Levels of the longest path.

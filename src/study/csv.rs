@@ -8,9 +8,10 @@ use super::report::Report;
 #[must_use]
 pub fn table(report: &Report) -> String {
     let mut text = Axis::ALL.map(Axis::name).join(",");
-    text += ",name,seconds,ratio,ratio_low,ratio_high,confidence,runs,same_time,build_seconds";
+    text += ",name,seconds,ratio,ratio_low,ratio_high,confidence,runs,same_time,walk,walk_low,walk_high,settled,build_seconds";
     for set in ["own", "fine"] {
-        for column in ["rmse", "max", "psnr", "ssim", "visible", "ill", "rmse_well", "max_well"] {
+        for column in ["rmse", "max", "psnr", "ssim", "visible", "ill", "rmse_well", "max_well", "asked", "max_is_sure"]
+        {
             text += &format!(",{set}_{column}");
         }
     }
@@ -21,7 +22,9 @@ pub fn table(report: &Report) -> String {
         let (t, q) = (&row.seconds, &row.ratio);
         cells.push(row.name.clone());
         cells.extend([t.median, q.median, q.interval[0], q.interval[1], q.confidence].map(number));
-        cells.extend([q.runs.to_string(), row.same_time.to_string(), number(row.build_seconds)]);
+        cells.extend([q.runs.to_string(), row.same_time.to_string()]);
+        cells.extend(row.walk.map_or_else(Default::default, |w| [w.median, w.interval[0], w.interval[1]].map(number)));
+        cells.extend([row.settled.map_or_else(String::new, number), number(row.build_seconds)]);
         cells.extend(errors(row.own.as_ref()));
         cells.extend(errors(row.fine.as_ref()));
         cells.extend(row.change.map_or_else(|| [String::new(), String::new()], |c| [c.rmse, c.max].map(number)));
@@ -42,7 +45,7 @@ fn number(x: f64) -> String {
     x.to_string()
 }
 
-fn errors(errors: Option<&Errors>) -> [String; 8] {
+fn errors(errors: Option<&Errors>) -> [String; 10] {
     let Some(e) = errors else { return std::array::from_fn(|_| String::new()) };
     let apart = |of: fn(&super::errors::Apart) -> f64| e.apart.as_ref().map_or_else(String::new, |a| number(of(a)));
     [
@@ -54,6 +57,8 @@ fn errors(errors: Option<&Errors>) -> [String; 8] {
         e.apart.map_or_else(String::new, |_| number(e.ill())),
         apart(|a| a.rmse),
         apart(|a| a.max),
+        e.apart.map_or_else(String::new, |a| a.asked.to_string()),
+        e.apart.map_or_else(String::new, |a| a.sure.to_string()),
     ]
 }
 

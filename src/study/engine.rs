@@ -8,10 +8,13 @@ use super::variant::Variant;
 #[cfg(not(feature = "embree"))]
 use crate::Error;
 use crate::Result;
-use crate::accel::{Intersector, Unbounded, native::Native};
+use crate::accel::native::{Lanes, Native, Walk};
+use crate::accel::{Intersector, Unbounded};
+use crate::geometry::triangle_test::TriangleModel;
 use crate::render::reference::{self, Prepared};
 use crate::render::{Observer, Options, Outcome, render};
 use crate::scene::Scene;
+use crate::simd::ReciprocalModel;
 
 /// A picture, and how long it took.
 #[derive(Clone, Debug)]
@@ -22,6 +25,8 @@ pub struct Shot {
     pub seconds: f64,
     /// Wall time of building the hierarchy, now or the first time.
     pub build_seconds: f64,
+    /// Lanes of triangle tests, where a walk of choice found the hits.
+    pub lanes: Option<Lanes>,
 }
 
 /// Makes pictures of one scene, and keeps the hierarchies between them.
@@ -38,6 +43,8 @@ struct Stage {
     spheres: Spheres,
     scene: Scene,
     native: Option<Built<Native>>,
+    /// By triangle test and reciprocal.
+    walks: Vec<((TriangleModel, ReciprocalModel), Built<Walk>)>,
     #[cfg(feature = "embree")]
     fast: Option<Built<crate::accel::embree::Embree>>,
     #[cfg(feature = "embree")]
@@ -72,6 +79,9 @@ impl<'a> Engine<'a> {
         let threads = self.threads;
         let stage = self.stage(variant.spheres);
         stage.scene.settings = variant.settings(&stage.scene.settings);
+        if let Some(choice) = variant.walk() {
+            return stage.walked(choice, &options, observer);
+        }
         let Stage { scene, native, .. } = stage;
         match (variant.precision, variant.backend) {
             (Precision::Double, _) => {
@@ -80,7 +90,7 @@ impl<'a> Engine<'a> {
                 let build_seconds = start.elapsed().as_secs_f64();
                 let start = Instant::now();
                 let outcome = reference::picture(&prepared, &options, observer)?;
-                Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds })
+                Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds, lanes: None })
             }
             (Precision::Single, Backend::Native) => {
                 let native = built(native, scene, || Ok(Native::build(&scene.geometry)))?;
@@ -113,6 +123,7 @@ impl<'a> Engine<'a> {
                 spheres,
                 scene: with_spheres(self.scene, spheres),
                 native: None,
+                walks: Vec::new(),
                 #[cfg(feature = "embree")]
                 fast: None,
                 #[cfg(feature = "embree")]
@@ -121,6 +132,25 @@ impl<'a> Engine<'a> {
             self.stages.len() - 1
         });
         &mut self.stages[place]
+    }
+}
+
+impl Stage {
+    fn walked(
+        &mut self,
+        choice: (TriangleModel, ReciprocalModel),
+        options: &Options,
+        observer: &Observer,
+    ) -> Result<Shot> {
+        let place = self.walks.iter().position(|(of, _)| *of == choice);
+        let mut slot = place.map(|i| self.walks.swap_remove(i).1);
+        let (test, reciprocal) = choice;
+        let walk = built(&mut slot, &self.scene, || Ok(Walk::build(&self.scene.geometry, test, reciprocal)))?;
+        let before = walk.accel.inner().lanes();
+        let shot = timed(&self.scene, walk, options, observer);
+        let lanes = walk.accel.inner().lanes().since(before);
+        self.walks.extend(slot.map(|walk| (choice, walk)));
+        Ok(Shot { lanes: Some(lanes), ..shot? })
     }
 }
 
@@ -160,5 +190,5 @@ where
 fn timed<I: Intersector>(scene: &Scene, built: &Built<I>, options: &Options, observer: &Observer) -> Result<Shot> {
     let start = Instant::now();
     let outcome = render(scene, &built.accel, options, observer)?;
-    Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds: built.seconds })
+    Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds: built.seconds, lanes: None })
 }

@@ -1,5 +1,7 @@
 //! How wrong a picture is.
 
+use std::time::Instant;
+
 use serde::{Deserialize, Serialize};
 
 use super::condition::Condition;
@@ -9,9 +11,14 @@ use crate::image::{self, Film};
 /// A difference that a screen of 8 bits may show, in units of radiance: what pixels are counted by.
 pub const VISIBLE: f64 = 1.0 / 255.0;
 
-/// Pixels asked about their condition in one picture: the worst, and others evenly from the rest.
-const WORST_ASKED: usize = 24;
-const OTHERS_ASKED: usize = 24;
+/// Pixels asked about their condition at once.
+const BATCH: usize = 8;
+
+/// The most that are asked for the largest difference: the worst first, until one is not ill-conditioned.
+const WORST_ASKED: usize = 192;
+
+/// Others that are asked for their share, evenly from the rest.
+const OTHERS_ASKED: usize = 16;
 
 /// A picture against its reference; see [`image::Comparison`] for the units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,12 +46,15 @@ pub struct Errors {
 /// Ill-conditioned pixels among those that are off by more than 1/255.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Apart {
-    /// Pixels asked: all that are off, or the worst of them and a regular choice of the rest.
+    /// Pixels asked: the worst, until one was found that is not ill-conditioned, and a regular choice of the rest.
     pub asked: u64,
     /// Ill-conditioned ones among these.
     pub ill: u64,
     /// Largest difference of a pixel not known to be ill-conditioned.
     pub max: f64,
+    /// Whether the pixel that it is of was asked, and every worse one with it. Else time ran out before, and `max` is
+    /// no less than the largest difference of a pixel that is not ill-conditioned.
+    pub sure: bool,
     /// Root of the mean squared difference over all pixels but those found ill-conditioned.
     pub rmse: f64,
 }
@@ -58,13 +68,13 @@ pub fn off(a: [f32; 3], b: [f32; 3]) -> f64 {
 
 impl Errors {
     /// Of a picture against its reference, of the same size; `condition`, where given, is asked about pixels that are
-    /// off.
+    /// off, up to a point in time.
     ///
     /// # Errors
     /// Usage, where they differ in size; `Interrupted`.
-    pub fn of(film: &Film, reference: &Film, condition: Option<&mut Condition>) -> Result<Self> {
+    pub fn of(film: &Film, reference: &Film, condition: Option<(&mut Condition, Instant)>) -> Result<Self> {
         let c = image::compare(film, reference, VISIBLE)?;
-        let apart = condition.map(|condition| apart(film, reference, condition)).transpose()?;
+        let apart = condition.map(|(condition, until)| apart(film, reference, condition, until)).transpose()?;
         Ok(Self {
             rmse: c.rmse,
             max: c.max,
@@ -91,25 +101,42 @@ impl Errors {
     }
 }
 
-fn apart(film: &Film, reference: &Film, condition: &mut Condition) -> Result<Apart> {
+fn apart(film: &Film, reference: &Film, condition: &mut Condition, until: Instant) -> Result<Apart> {
     let mut beyond: Vec<(f64, usize)> = film
         .pixels
         .iter()
         .zip(&reference.pixels)
         .enumerate()
         .map(|(i, (&p, &q))| (off(p, q), i))
-        .filter(|(off, _)| *off > VISIBLE)
+        .filter(|(off, _)| *off > VISIBLE && off.is_finite())
         .collect();
     beyond.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let worst = beyond.len().min(WORST_ASKED);
-    let rest = &beyond[worst..];
-    let step = rest.len().div_ceil(OTHERS_ASKED).max(1);
-    let asked: Vec<(f64, usize)> = beyond[..worst].iter().chain(rest.iter().step_by(step)).copied().collect();
     let width = film.width as usize;
-    let places: Vec<(u32, u32)> = asked.iter().map(|&(_, i)| ((i % width) as u32, (i / width) as u32)).collect();
-    let moves = condition.moves(&places)?;
+    let place = |&(_, i): &(f64, usize)| ((i % width) as u32, (i / width) as u32);
+    let mut ask = |some: &[(f64, usize)]| condition.moves(&some.iter().map(place).collect::<Vec<_>>(), Some(until));
+    let (mut asked, mut ill) = (0, Vec::new());
+    let mut note = |some: &[(f64, usize)], moves: &[Option<bool>]| {
+        asked += moves.iter().flatten().count() as u64;
+        ill.extend(some.iter().zip(moves).filter(|(_, moves)| **moves == Some(true)).map(|((_, i), _)| *i));
+    };
 
-    let mut ill: Vec<usize> = asked.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((_, i), _)| *i).collect();
+    // Whether the worst that is not ill-conditioned is known; all may be.
+    let mut sure = beyond.len() <= WORST_ASKED;
+    let mut rest = &beyond[..];
+    for some in beyond[..beyond.len().min(WORST_ASKED)].chunks(BATCH) {
+        let moves = ask(some)?;
+        note(some, &moves);
+        rest = &rest[some.len()..];
+        if let Some(first) = moves.iter().find(|moves| **moves != Some(true)) {
+            sure = *first == Some(false);
+            break;
+        }
+    }
+    let step = rest.len().div_ceil(OTHERS_ASKED).max(1);
+    let others: Vec<(f64, usize)> = rest.iter().step_by(step).copied().collect();
+    let moves = ask(&others)?;
+    note(&others, &moves);
+
     ill.sort_unstable();
     let (mut max, mut squares, mut n) = (0.0_f64, 0.0, 0_u64);
     for (i, (p, q)) in film.pixels.iter().zip(&reference.pixels).enumerate() {
@@ -122,5 +149,6 @@ fn apart(film: &Film, reference: &Film, condition: &mut Condition) -> Result<Apa
         }
         n += 3;
     }
-    Ok(Apart { asked: asked.len() as u64, ill: ill.len() as u64, max, rmse: (squares / n.max(1) as f64).sqrt() })
+    let rmse = (squares / n.max(1) as f64).sqrt();
+    Ok(Apart { asked, ill: ill.len() as u64, max, sure, rmse })
 }

@@ -34,6 +34,8 @@ const fn colour(axis: Axis) -> &'static str {
         Axis::Cutoff => "#d55e00",
         Axis::Depth => "#6a3d9a",
         Axis::Backend => "#009e73",
+        Axis::Triangles => "#8c564b",
+        Axis::Reciprocal => "#17a2a2",
         Axis::Precision => "#7a6a00",
         Axis::Sampling => "#56b4e9",
     }

@@ -27,6 +27,13 @@ pub struct Record {
     pub seconds: Vec<f64>,
     /// Each of them over the default variant's in the same round.
     pub ratios: Vec<f64>,
+    /// Each of them over that of the same walk with the watertight test and true division in the same round, where the
+    /// variant chooses among these.
+    #[serde(default)]
+    pub walk_ratios: Vec<f64>,
+    /// Share of triangle tests that fell to `f64`, where the variant chooses among these.
+    #[serde(default)]
+    pub settled: Option<f64>,
     /// Wall time of building its hierarchy, in seconds.
     pub build_seconds: f64,
     /// Rays traced.

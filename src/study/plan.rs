@@ -70,7 +70,7 @@ pub struct Products {
 
 /// The product of the axes that mattered: of their levels that are cheaper or more right than the default and that no
 /// other level of the axis beats. Times are predicted as products, squared errors as sums. The sampling axis, which is
-/// judged apart, and `f64`, which is the price of everything at once, are no part of it.
+/// judged apart, `f64`, which is the price of everything at once, and what needs a walk of its own are no part of it.
 #[must_use]
 pub fn products(default: &Point, singles: &[Point]) -> Products {
     let mut out = Products::default();
@@ -88,7 +88,7 @@ pub fn products(default: &Point, singles: &[Point]) -> Products {
             out.null.push(axis);
             continue;
         }
-        if matches!(axis, Axis::Sampling | Axis::Precision) {
+        if matches!(axis, Axis::Sampling | Axis::Precision | Axis::Triangles | Axis::Reciprocal) {
             continue;
         }
         let better = |p: &&Point| (p.ratio < 1.0 && !p.same_time) || p.mse < (1.0 - ANY_DIFFERENCE) * default.mse;

@@ -7,6 +7,8 @@ use super::variant::Variant;
 use crate::image::Film;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::render::Reflection;
+use crate::scene::Scene;
+use crate::simd::ReciprocalModel;
 
 /// Depth limit of the exact choices, at least.
 const DEPTH: u32 = 64;
@@ -41,28 +43,41 @@ pub struct Made {
     pub film: String,
 }
 
-/// The exact choices, with the rays a pixel and the shadow rule of `default`: `f64`, the Fresnel equations, Snell's law, traced reflections, exact
-/// spheres, a depth limit of at least 64 and a cut-off of at most 1/65536.
+/// The exact choices, for light that is not polarised unless `default` says so, with the rays a pixel and the shadow rule of `default`: `f64`, the
+/// Fresnel equations, Snell's law, traced reflections, exact spheres, a depth limit of at least 64 and a cut-off of at
+/// most 1/65536.
 #[must_use]
 pub fn exact(default: &Variant) -> Variant {
     Variant {
-        fresnel: FresnelModel::Exact,
+        fresnel: match default.fresnel {
+            FresnelModel::Polarised => FresnelModel::Polarised,
+            _ => FresnelModel::Exact,
+        },
         refraction: RefractionModel::Stable,
         oliveira: Oliveira::GLASS,
         reflection: Reflection::Traced,
         spheres: Spheres::Exact,
         depth: default.depth.max(DEPTH),
-        cutoff: default.cutoff.min(CUTOFF),
+        cutoff: if default.proven.is_some() { CUTOFF } else { default.cutoff.min(CUTOFF) },
+        proven: None,
+        triangles: None,
+        reciprocal: ReciprocalModel::Exact,
         precision: Precision::Double,
         ..*default
     }
 }
 
-/// What 16 by 16 rays a pixel may be made by, the best first: the exact choices in `f64`, the same in `f32`, the
+/// The same with both polarisations carried along the path, where no medium of the scene disperses light.
+#[must_use]
+pub fn most_exact(default: &Variant, scene: &Scene) -> Variant {
+    let disperses = scene.media.iter().any(crate::scene::Medium::disperses);
+    Variant { fresnel: if disperses { FresnelModel::Exact } else { FresnelModel::Polarised }, ..exact(default) }
+}
+
+/// What 16 by 16 rays a pixel may be made by, the best first: the choices of `exact` in `f64`, the same in `f32`, the
 /// default ones.
 #[must_use]
-pub fn fine(default: &Variant) -> [Variant; 3] {
-    let exact = exact(default);
-    let single = Variant { precision: Precision::Single, ..exact };
-    [exact, single, *default].map(|v| Variant { samples: FINE, ..v })
+pub fn fine(default: &Variant, exact: &Variant) -> [Variant; 3] {
+    let single = Variant { precision: Precision::Single, ..*exact };
+    [*exact, single, *default].map(|v| Variant { samples: FINE, ..v })
 }

@@ -73,6 +73,11 @@ pub struct Row {
     pub ratio: Figure,
     /// Whether the ratio may be 1: no measurable difference.
     pub same_time: bool,
+    /// Where a triangle test or a reciprocal is chosen, over the time of the same walk with the watertight test and true
+    /// division in the same round: what the choice costs, without what the walk does.
+    pub walk: Option<Figure>,
+    /// Share of triangle tests that fell to `f64`, where one is chosen.
+    pub settled: Option<f64>,
     /// Wall time of building its hierarchy, in seconds; no part of the above.
     pub build_seconds: f64,
     /// Rays traced.
@@ -119,6 +124,8 @@ pub fn rows(journal: &Journal, default: &Variant, command: impl Fn(&Variant) -> 
                 seconds: Figure::of(&r.seconds),
                 ratio,
                 same_time: ratio.may_be(1.0),
+                walk: (!r.walk_ratios.is_empty()).then(|| Figure::of(&r.walk_ratios)),
+                settled: r.settled,
                 build_seconds: r.build_seconds,
                 rays: r.rays,
                 own: r.own.clone(),
@@ -167,7 +174,7 @@ pub fn findings(rows: &[Row]) -> Vec<String> {
                 (None, _, Some(e), Some(d)) => compared(e.rmse, d.rmse, None) + ", against 16 x 16 rays a pixel",
                 _ => String::from("not judged"),
             };
-            out.push(format!("{}: {time}; {error}", row.name));
+            out.push(format!("{}: {time}; {error}{}", row.name, walked(row)));
         }
     }
     let double = rows.iter().find(|r| r.levels.precision == Precision::Double);
@@ -178,6 +185,24 @@ pub fn findings(rows: &[Row]) -> Vec<String> {
         ));
     }
     out
+}
+
+/// How a choice compares within the walk of one ray at a time that all of its axis share.
+fn walked(row: &Row) -> String {
+    let Some(walk) = row.walk else { return String::new() };
+    let [low, high] = walk.interval;
+    let plain = row.levels.plain_walk().is_some_and(|plain| plain == row.levels);
+    let time = match () {
+        () if plain => String::from("the walk that the others of its kind are compared with"),
+        () if walk.runs < 3 => format!("{:.2} times watertight's in the same walk, in a single run", walk.median),
+        () if walk.may_be(1.0) => {
+            format!("no measurable difference to watertight in the same walk ({low:.3} to {high:.3})")
+        }
+        () => format!("{:.3} times watertight's in the same walk ({low:.3} to {high:.3})", walk.median),
+    };
+    let settled = row.settled.filter(|share| *share > 0.0);
+    let settled = settled.map_or_else(String::new, |s| format!("; {s:.1e} of its triangle tests fell to f64"));
+    format!("; {time}{settled}")
 }
 
 fn compared(error: f64, default: f64, change: Option<f64>) -> String {

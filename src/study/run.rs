@@ -15,7 +15,6 @@ use super::report::{self, Pictured, Report};
 use super::variant::Variant;
 use super::{digest, size};
 use crate::image::{self, Film};
-use crate::optics::FresnelModel;
 use crate::render::Observer;
 use crate::render::reference::Prepared;
 use crate::scene::Scene;
@@ -25,11 +24,14 @@ use crate::{Error, Result};
 /// Runs that make an interval worth the name.
 const FEWEST_RUNS: usize = 3;
 
-/// Above this a render is long enough not to be warmed up for.
+/// Above this a render, in seconds, is long enough not to be warmed up for, and to be run but once where time is short.
 const LONG: f64 = 1.0;
 
 /// Variants that take turns.
 const BLOCK: usize = 8;
+
+/// Part of a variant's time that asking its pixels about their condition may take.
+const ASKING: f64 = 0.25;
 
 /// Members of the front that are tried at other numbers of rays a pixel.
 const RESAMPLED: usize = 4;
@@ -92,9 +94,9 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
     let mut scene = subject.scene.clone();
     (scene.settings.width, scene.settings.height) = (width, height);
     scene.settings = subject.default.settings(&scene.settings);
-    let exact = reference::exact(&subject.default);
+    let exact = reference::most_exact(&subject.default, &scene);
     let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
-    let condition = Condition::new(&judge, Prepared::new(&judge, FresnelModel::Exact), VISIBLE, watch.observer);
+    let condition = Condition::new(&judge, Prepared::new(&judge, exact.fresnel), VISIBLE, watch.observer);
     let mut session = Session {
         subject,
         engine: Engine::new(&scene, subject.threads),
@@ -219,7 +221,7 @@ impl Session<'_> {
             return Ok(());
         }
         self.say("the reference in f64");
-        let exact = reference::exact(&self.subject.default);
+        let exact = reference::most_exact(&self.subject.default, self.subject.scene);
         let reference = self.reference(&exact, "reference.pfm")?;
         self.journal.keep_own(reference)
     }
@@ -230,7 +232,7 @@ impl Session<'_> {
             return Ok(());
         }
         let default = self.subject.default;
-        let [double, single, plain] = reference::fine(&default);
+        let [double, single, plain] = reference::fine(&default, &reference::most_exact(&default, self.subject.scene));
         let times = (f64::from(reference::FINE) / f64::from(default.samples)).powi(2);
         let double_seconds = self.journal.own.as_ref().map_or(f64::INFINITY, |own| own.made.seconds) * times;
         // What the exact choices cost in f32 is not known yet; deep paths are seldom more than four times the work.
@@ -273,18 +275,19 @@ impl Session<'_> {
             return Ok(());
         }
         let kept = done.map_or_else(Vec::new, |r| r.seconds.clone());
-        let mut record = self.judge(&default, shot)?;
+        let mut record = self.judge(&default, shot, self.left() * 0.05)?;
         record.seconds = if kept.is_empty() { vec![shot.seconds] } else { kept };
         record.ratios = vec![1.0; record.seconds.len()];
         self.journal.keep(record, &shot.outcome.film)
     }
 
-    /// All but the times of a variant.
-    fn judge(&mut self, variant: &Variant, shot: &Shot) -> Result<Record> {
+    /// All but the times of a variant. Its pixels are asked about their condition for at most so many seconds.
+    fn judge(&mut self, variant: &Variant, shot: &Shot, seconds: f64) -> Result<Record> {
+        let until = Instant::now() + Duration::from_secs_f64(seconds.max(0.0));
         let film = &shot.outcome.film;
         let same_samples = variant.samples == self.subject.default.samples;
         let own = match &self.journal.own {
-            Some(own) if same_samples => Some(Errors::of(film, &own.film, Some(&mut self.condition))?),
+            Some(own) if same_samples => Some(Errors::of(film, &own.film, Some((&mut self.condition, until)))?),
             _ => None,
         };
         let fine = self.journal.fine.as_ref().map(|fine| Errors::of(film, &fine.film, None)).transpose()?;
@@ -301,6 +304,8 @@ impl Session<'_> {
             variant: *variant,
             seconds: Vec::new(),
             ratios: Vec::new(),
+            walk_ratios: Vec::new(),
+            settled: shot.lanes.map(|lanes| lanes.share()),
             build_seconds: shot.build_seconds,
             rays: (&shot.outcome.rays).into(),
             own,
@@ -313,8 +318,12 @@ impl Session<'_> {
 
     /// Measures variants that are not done yet, some at a time.
     fn block(&mut self, name: &str, variants: &[Variant]) -> Result<()> {
-        let done =
-            |v: &Variant| self.journal.find(v).is_some_and(|r| r.ratios.len() >= FEWEST_RUNS.min(self.subject.runs));
+        // One run of a long one has to do where time is short.
+        let enough = |r: &Record| {
+            let fewest = if r.seconds.iter().any(|&s| s > LONG) { 1 } else { FEWEST_RUNS };
+            r.ratios.len() >= fewest.min(self.subject.runs)
+        };
+        let done = |v: &Variant| self.journal.find(v).is_some_and(enough);
         let fresh: Vec<Variant> = variants.iter().filter(|v| !done(v)).copied().collect();
         self.portion.1 = self.portion.1.saturating_sub(variants.len() - fresh.len());
         for some in fresh.chunks(BLOCK) {
@@ -332,9 +341,9 @@ impl Session<'_> {
                     continue;
                 }
                 self.say(&title);
-                match self.first(variant) {
+                match self.first(variant, ASKING * share / some.len() as f64) {
                     Ok(turn) => turns.push(turn),
-                    Err(Error::Limit(why)) => self.left_out.push(format!("{title}: {why}")),
+                    Err(Error::Limit(why) | Error::Usage(why)) => self.leave_out(&title, &why),
                     Err(e) => return Err(e),
                 }
             }
@@ -344,6 +353,15 @@ impl Session<'_> {
             ended?;
         }
         Ok(())
+    }
+
+    /// Says why a variant cannot be had, once for all that have the same reason.
+    fn leave_out(&mut self, title: &str, why: &str) {
+        let ending = format!(": {why}");
+        match self.left_out.iter_mut().find(|line| line.ends_with(&ending)) {
+            Some(line) => line.insert_str(line.len() - ending.len(), &format!(", {title}")),
+            None => self.left_out.push(title.to_owned() + &ending),
+        }
     }
 
     /// Seconds that a run may take, from what is known before it: nothing of most.
@@ -358,10 +376,11 @@ impl Session<'_> {
     }
 
     /// The first picture of a variant, which is judged; where it takes long, its time counts.
-    fn first(&mut self, variant: &Variant) -> Result<Turn> {
-        let default = self.engine.shoot(&self.subject.default, self.watch.observer)?;
+    fn first(&mut self, variant: &Variant, asking: f64) -> Result<Turn> {
+        // First, since it may be one that cannot be had.
         let shot = self.engine.shoot(variant, self.watch.observer)?;
-        let record = self.judge(variant, &shot)?;
+        let default = self.engine.shoot(&self.subject.default, self.watch.observer)?;
+        let record = self.judge(variant, &shot, asking)?;
         let cost = (shot.seconds + default.seconds / BLOCK as f64).max(1e-9);
         let mut turn = Turn { record, film: shot.outcome.film, cost, wanted: 0 };
         if shot.seconds > LONG {
@@ -376,6 +395,7 @@ impl Session<'_> {
         let each = seconds / turns.len().max(1) as f64;
         let fewest = FEWEST_RUNS.min(self.subject.runs);
         for turn in turns.iter_mut() {
+            let fewest = if turn.cost > LONG { 1 } else { fewest };
             turn.wanted = ((each / turn.cost) as usize).clamp(fewest, self.subject.runs.max(fewest));
         }
         let default = self.subject.default;
@@ -388,10 +408,16 @@ impl Session<'_> {
                 self.say(&format!("{name}, round {round}"));
                 let beside = self.engine.shoot(&default, self.watch.observer)?.seconds;
                 of_default.push(beside);
+                let mut plain = None;
                 for turn in turns.iter_mut().filter(|t| t.record.ratios.len() < t.wanted) {
-                    let seconds = self.engine.shoot(&turn.record.variant, self.watch.observer)?.seconds;
+                    let variant = turn.record.variant;
+                    if let (None, Some(walk)) = (plain, variant.plain_walk()) {
+                        plain = Some(self.engine.shoot(&walk, self.watch.observer)?.seconds);
+                    }
+                    let seconds = self.engine.shoot(&variant, self.watch.observer)?.seconds;
                     turn.record.seconds.push(seconds);
                     turn.record.ratios.push(seconds / beside);
+                    turn.record.walk_ratios.extend(plain.filter(|_| variant.walk().is_some()).map(|p| seconds / p));
                 }
             }
             Ok(())

@@ -10,8 +10,8 @@ use crate::scene::{Scene, Settings};
 /// The largest that is chosen, in pixels.
 const MOST: f64 = 320.0 * 240.0;
 
-/// The smallest.
-const LEAST: f64 = 96.0 * 64.0;
+/// The smallest: fewer pixels would tell nothing, whatever the time limit.
+const LEAST: f64 = 48.0 * 32.0;
 
 /// Pixels of the pictures that costs are estimated from.
 const PROBE: [f64; 2] = [4800.0, 600.0];
@@ -31,7 +31,7 @@ pub fn choose(subject: &Subject, observer: &Observer) -> Result<[u32; 2]> {
         return Ok(size);
     }
     let settings = &subject.scene.settings;
-    let exact = reference::exact(&subject.default);
+    let exact = reference::most_exact(&subject.default, subject.scene);
     let [fast, slow] = PROBE.map(|pixels| fit(settings, pixels));
     let cost = |size: [u32; 2], variant, runs: usize| {
         let mut scene = Scene::clone(subject.scene);

@@ -56,7 +56,9 @@ fn table(report: &Report) -> String {
             _ => format!("{low:.2}..{high:.2}"),
         };
         let cells = row.judged().map_or_else(Default::default, |e| {
-            [format!("{:.1e}", e.ranked()), format!("{:.1e}", e.apart.map_or(e.max, |a| a.max)), percent(e.visible)]
+            let sure = e.apart.is_none_or(|a| a.sure);
+            let max = format!("{}{:.1e}", if sure { "" } else { "<" }, e.apart.map_or(e.max, |a| a.max));
+            [format!("{:.1e}", e.ranked()), max, percent(e.visible)]
         });
         let [rmse, max, visible] = cells;
         let rmse = if row.own.is_none() && row.fine.is_some() { format!("^{rmse}") } else { rmse };
@@ -68,9 +70,24 @@ fn table(report: &Report) -> String {
         for more in names {
             text += &format!("    {more}\n");
         }
+        if let Some(walk) = row.walk.filter(|_| row.levels.plain_walk() != Some(row.levels)) {
+            let [low, high] = walk.interval;
+            let same = if walk.may_be(1.0) { "= " } else { "" };
+            let interval = if walk.runs == 1 { String::from("1 run") } else { format!("{same}{low:.2}..{high:.2}") };
+            text += &format!("    {:<22}{:>7} {interval:>13}\n", "over watertight's walk", short(walk.median));
+        }
+        if let Some(settled) = row.settled.filter(|share| *share > 0.0) {
+            text += &format!("    {settled:.1e} of its triangle tests fell to f64\n");
+        }
     }
     text += "letters: on the front, nothing is both faster and more right\n";
     text += "=: no measurable difference in time; RMSE and max without ill-conditioned pixels\n";
+    if report.rows.iter().any(|r| r.judged().and_then(|e| e.apart).is_some_and(|a| !a.sure)) {
+        text += "<: at most, since time ran out before every worse pixel was asked\n";
+    }
+    if report.rows.iter().any(|r| r.walk.is_some()) {
+        text += "triangles, reciprocal: one ray at a time; compare them with one another\n";
+    }
     text
 }
 

@@ -7,9 +7,11 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::axis::{Axis, Backend, Level, Precision, Spheres};
+use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::render::{Options, Reflection};
 use crate::scene::{Settings, ShadowRule};
+use crate::simd::ReciprocalModel;
 
 /// One of each choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +30,16 @@ pub struct Variant {
     pub spheres: Spheres,
     /// Below which weight a ray ends, 0..=1.
     pub cutoff: f32,
+    /// What cutting may change of a channel instead, where rays end by proof.
+    pub proven: Option<f32>,
     /// How often a ray may reflect or refract.
     pub depth: u32,
     /// What finds hits, where `precision` is single.
     pub backend: Backend,
+    /// The ray/triangle test, where it is not the back end's own.
+    pub triangles: Option<TriangleModel>,
+    /// What one over a number is, where rays are traced.
+    pub reciprocal: ReciprocalModel,
     /// What the picture is computed in.
     pub precision: Precision,
     /// A regular grid of so many by so many rays a pixel.
@@ -50,8 +58,11 @@ impl Variant {
             shadows: settings.shadows,
             spheres: Spheres::Exact,
             cutoff: settings.cutoff,
+            proven: None,
             depth: settings.max_depth,
             backend,
+            triangles: None,
+            reciprocal: ReciprocalModel::Exact,
             precision: Precision::Single,
             samples: settings.samples,
         }
@@ -66,9 +77,11 @@ impl Variant {
             Axis::Reflection => Level::Reflection(self.reflection),
             Axis::Shadows => Level::Shadows(self.shadows),
             Axis::Spheres => Level::Spheres(self.spheres),
-            Axis::Cutoff => Level::Cutoff(self.cutoff),
+            Axis::Cutoff => self.proven.map_or(Level::Cutoff(self.cutoff), Level::Proven),
             Axis::Depth => Level::Depth(self.depth),
             Axis::Backend => Level::Backend(self.backend),
+            Axis::Triangles => Level::Triangles(self.triangles),
+            Axis::Reciprocal => Level::Reciprocal(self.reciprocal),
             Axis::Precision => Level::Precision(self.precision),
             Axis::Sampling => Level::Sampling(self.samples),
         }
@@ -83,13 +96,33 @@ impl Variant {
             Level::Reflection(x) => self.reflection = x,
             Level::Shadows(x) => self.shadows = x,
             Level::Spheres(x) => self.spheres = x,
-            Level::Cutoff(x) => self.cutoff = x,
+            Level::Cutoff(x) => (self.cutoff, self.proven) = (x, None),
+            // No weight ends a ray then.
+            Level::Proven(x) => (self.cutoff, self.proven) = (0.0, Some(x)),
             Level::Depth(x) => self.depth = x,
             Level::Backend(x) => self.backend = x,
+            Level::Triangles(x) => self.triangles = x,
+            Level::Reciprocal(x) => self.reciprocal = x,
             Level::Precision(x) => self.precision = x,
             Level::Sampling(x) => self.samples = x,
         }
         self
+    }
+
+    /// The triangle test and the reciprocal of the walk that finds its hits ([`crate::accel::native::Walk`]), where these
+    /// are chosen; with a reciprocal alone the test is the watertight one.
+    #[must_use]
+    pub fn walk(&self) -> Option<(TriangleModel, ReciprocalModel)> {
+        let chosen = self.triangles.is_some() || self.reciprocal != ReciprocalModel::Exact;
+        let walks = chosen && self.precision == Precision::Single;
+        walks.then_some((self.triangles.unwrap_or(TriangleModel::Watertight), self.reciprocal))
+    }
+
+    /// The same walk with the watertight test and true division, where it walks: what its time is to be compared with.
+    #[must_use]
+    pub fn plain_walk(&self) -> Option<Self> {
+        let plain = Self { triangles: Some(TriangleModel::Watertight), reciprocal: ReciprocalModel::Exact, ..*self };
+        self.walk().map(|_| plain)
     }
 
     /// The levels that are not those of `o`.
@@ -127,6 +160,7 @@ impl Variant {
             refraction: self.refraction,
             oliveira: self.oliveira,
             reflection: self.reflection,
+            cutoff_error: self.proven,
             threads,
             ..Options::default()
         }
@@ -138,7 +172,10 @@ impl Variant {
         let mut flags = vec![
             format!("--samples {}", self.samples),
             format!("--depth {}", self.depth),
-            format!("--cutoff {}", self.cutoff),
+            match self.proven {
+                Some(error) => format!("--cutoff-error {error}"),
+                None => format!("--cutoff {}", self.cutoff),
+            },
             format!("--fresnel {}", self.level(Axis::Fresnel)),
         ];
         flags.push(match self.refraction {
@@ -150,9 +187,12 @@ impl Variant {
         if let Spheres::Bands(n) = self.spheres {
             flags.push(format!("--spheres {n}"));
         }
-        flags.push(match self.precision {
-            Precision::Single => format!("--backend {}", self.level(Axis::Backend)),
-            Precision::Double => String::from("--backend reference"),
+        flags.push(match (self.precision, self.walk()) {
+            (Precision::Double, _) => String::from("--backend reference"),
+            (_, Some((test, reciprocal))) => {
+                format!("--backend native --triangles {} --reciprocal {}", test.name(), reciprocal.name())
+            }
+            _ => format!("--backend {}", self.level(Axis::Backend)),
         });
         flags
     }

@@ -5,7 +5,7 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use tempfile::TempDir;
 
-const SCENE: &str = r#"
+pub const SCENE: &str = r#"
 [camera]
 eye = [0, 1, 5]
 target = [0, 0.5, 0]

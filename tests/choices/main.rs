@@ -8,6 +8,7 @@ mod cutoff;
 mod polarisation;
 mod random;
 mod reflection;
+mod triangles;
 
 use vitrum::render::{Observer, Options, Outcome, reference};
 use vitrum::scene::Scene;

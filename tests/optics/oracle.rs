@@ -1,4 +1,8 @@
 //! The textbook in double-double: cancellation that costs an `f32` or `f64` everything costs it half its digits.
+//!
+//! There is another such oracle in the crate (`optics::oracle`, for `vitrum verify` and `vitrum price --formulas`), with
+//! arithmetic of its own. This one is over a library's and shares no line with it, so that neither judges by its own
+//! mistakes: they are held to agree below.
 
 use twofloat::TwoFloat as D;
 use vitrum::math::Vector3;
@@ -108,6 +112,37 @@ pub fn metal(c: f32, eta: f32, k: f32) -> f64 {
     let (x, y) = ((eta * eta - k * k) * c, im * c);
     let r_p = over((x - a) * (x - a) + (y - b) * (y - b), (x + a) * (x + a) + (y + b) * (y + b));
     narrow((r_s + r_p) * 0.5)
+}
+
+#[test]
+fn the_crates_own_oracle_agrees_to_far_more_digits_than_f64_has() {
+    use vitrum::optics::oracle;
+    let mut state = 5_u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+    };
+    let mut refracted = 0;
+    for k in 0..2000 {
+        let (n1, n2) = [(1.0, 1.5), (1.5, 1.0), (1.0, 1.0 + 1e-7), (2.42, 1.33)][k % 4];
+        let i = Vector3::new(next(), next(), next());
+        let n = Vector3::new(next(), next(), next());
+        let n = if i.dot(n) > 0.0 { -n } else { n };
+        let (ours, theirs) = (refract(i, n, n1, n2), oracle::refract(i, n, n1, n2));
+        assert_eq!(ours.is_some(), theirs.is_some());
+        if let (Some(ours), Some(theirs)) = (ours, theirs) {
+            let nearest = Vector3::new(ours.0[0].hi(), ours.0[1].hi(), ours.0[2].hi());
+            // The nearest f64 is half an ulp off; both say by how much, and say the same to 20 digits.
+            let off = theirs.furthest_component(nearest);
+            let rest = ours.0.iter().map(|x| x.lo().abs()).fold(0.0, f64::max);
+            assert!((off - rest).abs() <= 1e-20, "{off:e} {rest:e}");
+            refracted += 1;
+        }
+        let c = f64::from(next().abs());
+        let reflectance = reflectance(c, n1, n2);
+        assert!((oracle::reflectance(c, n1, n2) - reflectance).abs() <= 1e-14 * reflectance, "{c} {n1} {n2}");
+    }
+    assert!(refracted > 1000, "{refracted}");
 }
 
 #[test]

@@ -20,6 +20,7 @@ mod traverse_stream;
 mod traverse_tile;
 mod tri8;
 mod validate;
+mod walk;
 
 use std::time::Instant;
 
@@ -32,7 +33,9 @@ pub use self::stack::Scratch;
 pub use self::traverse_stream::Kernel;
 use self::traverse_stream::Trees;
 use self::tri8::Tri8;
+pub use self::walk::{Lanes, Walk};
 use super::{BuildStats, Coherence, Intersector};
+pub use crate::geometry::triangle_test::TriangleModel;
 use crate::geometry::{Geometry, Hit8, Ray8, Shape, slab, sphere};
 use crate::math::Vector3;
 use crate::simd::Mask8;

@@ -2,6 +2,7 @@
 
 use super::{Lanes, Meeting, TriangleTest, corners_of, meet_sheared, settle};
 use crate::math::{LaneMask, Vector3};
+use crate::simd::Reciprocal;
 
 /// Signed volumes with a running bound on their error; what they cannot decide, `f64` does.
 ///
@@ -26,12 +27,12 @@ impl TriangleTest for Certified {
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]
-    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
+    fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
         (origin, dir)
     }
 
     #[inline(always)]
-    fn meet<R: Lanes>(&(origin, dir): &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R> {
+    fn meet_by<R: Lanes, D: Reciprocal>(&(origin, dir): &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R> {
         let [a, b, c] = corners.map(|p| p - origin);
         let zero = R::zero();
         // An edge function, and a bound on its error.
@@ -57,10 +58,10 @@ impl TriangleTest for Certified {
         let hit = all(above) | all(below);
 
         let sum = u + v + w;
-        let scale = R::one() / sum;
+        let scale = D::of(sum);
         let (u, v, w) = (u * scale, v * scale, w * scale);
         let point = a * w + b * u + c * v;
-        let t = point.dot(dir) / dir.length_squared();
+        let t = D::quotient(point.dot(dir), dir.length_squared());
         let mut meeting = Meeting { hit, t, u, v, settled: R::mask(0) };
         // A NaN, of an empty slot or an overflow, is neither sure nor worth asking about.
         let undecided = !(hit | missed) & (w_off + u_off + v_off).ge(zero);

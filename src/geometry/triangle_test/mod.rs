@@ -1,7 +1,8 @@
 //! Ray/triangle tests side by side, each a type, so that what is timed or judged is the test and no branch.
 //!
 //! The renderer's own is [`Watertight`]. The others are here to be measured against it, by speed (`cargo bench --bench
-//! triangle`, `vitrum price --formulas --of triangle`) and by what they lose. Of 2000 rays out of a closed ball with
+//! triangle`, `vitrum price --formulas --of triangle`; on whole pictures `vitrum render --triangles` and `vitrum price
+//! --axes triangles,reciprocal`) and by what they lose. Of 2000 rays out of a closed ball with
 //! bumps (1520 triangles, about the origin), those that met nothing, with fused products:
 //!
 //! | test | at random | at corners | at edges |
@@ -28,7 +29,7 @@ pub use pluecker::Pluecker;
 pub use watertight::Watertight;
 
 use crate::math::{Real, Vector3};
-use crate::simd::{F32x8, Mask8};
+use crate::simd::{Division, Estimate, F32x8, Mask8, Reciprocal};
 
 /// Where the line of a ray meets a triangle. What is not `hit` holds nothing to rely on.
 #[derive(Clone, Copy, Debug)]
@@ -53,15 +54,60 @@ pub trait TriangleTest: Copy + Send + Sync + 'static {
     /// A ray made ready for it.
     type Ray<R: Lanes>: Copy;
 
-    /// Makes a ray of any finite direction but zero ready.
-    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R>;
+    /// Makes a ray of any finite direction but zero ready, with quotients as `D` has them.
+    fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R>;
 
     /// Where the line of the ray meets the triangle; lane by lane in eight lanes.
-    fn meet<R: Lanes>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R>;
+    fn meet_by<R: Lanes, D: Reciprocal>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R>;
+
+    /// [`TriangleTest::prepare_by`] true division.
+    #[inline(always)]
+    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
+        Self::prepare_by::<R, Division>(origin, dir)
+    }
+
+    /// [`TriangleTest::meet_by`] true division.
+    #[inline(always)]
+    fn meet<R: Lanes>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R> {
+        Self::meet_by::<R, Division>(ray, corners)
+    }
+}
+
+/// The tests, to be chosen from at run time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TriangleModel {
+    /// [`PlaneArea`].
+    PlaneArea,
+    /// [`MollerTrumbore`].
+    MollerTrumbore,
+    /// [`Pluecker`].
+    Pluecker,
+    /// [`Watertight`].
+    Watertight,
+    /// [`Certified`].
+    Certified,
+}
+
+impl TriangleModel {
+    /// All of them, the cheapest claim first.
+    pub const ALL: [Self; 5] =
+        [Self::PlaneArea, Self::MollerTrumbore, Self::Pluecker, Self::Watertight, Self::Certified];
+
+    /// The name in tables and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlaneArea => PlaneArea::NAME,
+            Self::MollerTrumbore => MollerTrumbore::NAME,
+            Self::Pluecker => Pluecker::NAME,
+            Self::Watertight => Watertight::NAME,
+            Self::Certified => Certified::NAME,
+        }
+    }
 }
 
 /// Numbers whose lanes can be taken out one by one, for the few that need more care than the rest.
-pub trait Lanes: Real {
+pub trait Lanes: Real + Estimate {
     /// How many there are.
     const COUNT: usize;
     /// Half the distance from 1 to the next larger number.

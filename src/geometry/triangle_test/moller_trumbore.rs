@@ -2,6 +2,7 @@
 
 use super::{Lanes, Meeting, TriangleTest, cross};
 use crate::math::Vector3;
+use crate::simd::Reciprocal;
 
 /// Möller and Trumbore's test ("Fast, minimum storage ray/triangle intersection", Journal of Graphics Tools 2(1), 1997):
 /// Cramer's rule for `o + t d = (1 - u - v) a + u b + v c`, on both faces, without the paper's epsilon, which changes
@@ -19,16 +20,16 @@ impl TriangleTest for MollerTrumbore {
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]
-    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
+    fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
         (origin, dir)
     }
 
     #[inline(always)]
-    fn meet<R: Lanes>(&(origin, dir): &Self::Ray<R>, &[a, b, c]: &[Vector3<R>; 3]) -> Meeting<R> {
+    fn meet_by<R: Lanes, D: Reciprocal>(&(origin, dir): &Self::Ray<R>, &[a, b, c]: &[Vector3<R>; 3]) -> Meeting<R> {
         let (first, second) = (b - a, c - a);
         let p = cross(dir, second);
         let determinant = first.dot(p);
-        let scale = R::one() / determinant;
+        let scale = D::of(determinant);
         let from = origin - a;
         let u = from.dot(p) * scale;
         let q = cross(from, first);

@@ -2,6 +2,7 @@
 
 use super::{Lanes, Meeting, TriangleTest, cross, same_side};
 use crate::math::Vector3;
+use crate::simd::Reciprocal;
 
 /// The handwritten notes' test: where the ray meets the triangle's plane, then the areas of the three triangles that
 /// this point forms with the sides, seen along the dominant axis of the normal.
@@ -25,15 +26,15 @@ impl TriangleTest for PlaneArea {
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]
-    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
+    fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
         (origin, dir)
     }
 
     #[inline(always)]
-    fn meet<R: Lanes>(&(origin, dir): &Self::Ray<R>, &[a, b, c]: &[Vector3<R>; 3]) -> Meeting<R> {
+    fn meet_by<R: Lanes, D: Reciprocal>(&(origin, dir): &Self::Ray<R>, &[a, b, c]: &[Vector3<R>; 3]) -> Meeting<R> {
         let normal = cross(b - a, c - a);
         let along = normal.dot(dir);
-        let t = (normal.dot(a) - normal.dot(origin)) / along;
+        let t = D::quotient(normal.dot(a) - normal.dot(origin), along);
         let point = dir.fma(t, origin);
 
         let size = normal.abs();
@@ -51,7 +52,7 @@ impl TriangleTest for PlaneArea {
         let areas = [area(b, c), area(c, a), area(a, b)];
         let zero = R::zero();
         let sound = !along.eq(zero) & !whole.eq(zero) & t.abs().lt(R::splat(f64::INFINITY));
-        let scale = R::one() / whole;
+        let scale = D::of(whole);
         Meeting { hit: same_side(areas) & sound, t, u: areas[1] * scale, v: areas[2] * scale, settled: R::mask(0) }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Lanes, Meeting, TriangleTest, cross};
 use crate::math::Vector3;
+use crate::simd::Reciprocal;
 
 /// The side of each edge on which the ray passes, as the product of their Plücker coordinates, in the form of Embree 4's
 /// robust mode (`kernels/geometry/triangle_intersector_pluecker.h`): corners relative to the ray's start, edge functions
@@ -21,12 +22,12 @@ impl TriangleTest for Pluecker {
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]
-    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
+    fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
         (origin, dir)
     }
 
     #[inline(always)]
-    fn meet<R: Lanes>(&(origin, dir): &Self::Ray<R>, &[a, b, c]: &[Vector3<R>; 3]) -> Meeting<R> {
+    fn meet_by<R: Lanes, D: Reciprocal>(&(origin, dir): &Self::Ray<R>, &[a, b, c]: &[Vector3<R>; 3]) -> Meeting<R> {
         let (a, b, c) = (a - origin, b - origin, c - origin);
         let (ca, ab, bc) = (c - a, a - b, b - c);
         let u = cross(ca, c + a).dot(dir);
@@ -40,8 +41,8 @@ impl TriangleTest for Pluecker {
 
         let normal = cross(ca, ab);
         let along = normal.dot(dir);
-        let t = a.dot(normal) / along;
-        let scale = R::one() / sum;
+        let t = D::quotient(a.dot(normal), along);
+        let scale = D::of(sum);
         let weight = |e: R| (e * scale).max(R::zero()).min(R::one());
         let zero = R::zero();
         let sound = !along.eq(zero) & !sum.eq(zero) & t.abs().lt(R::splat(f64::INFINITY));

@@ -4,6 +4,7 @@ use super::{Lanes, Meeting, TriangleTest, corners_of, meet_sheared, settle};
 use crate::geometry::slab::SlabRay;
 use crate::geometry::triangle::{Axis, ShearedRay};
 use crate::math::{LaneMask, Real, Vector3};
+use crate::simd::Reciprocal;
 
 /// The watertight test of Woop, Benthin & Wald ("Watertight ray/triangle intersection", JCGT 2(1), 2013) as
 /// [`crate::geometry::intersect_triangle`] and the native hierarchy have it: with `f64` where an edge function is zero
@@ -28,13 +29,13 @@ impl TriangleTest for Watertight {
     type Ray<R: Lanes> = WatertightRay<R>;
 
     #[inline(always)]
-    fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
-        let (sheared, axis) = ShearedRay::new(origin, dir);
-        WatertightRay { sheared, axis, slab: SlabRay::new(origin, dir) }
+    fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
+        let (sheared, axis) = ShearedRay::by(origin, dir, D::quotient);
+        WatertightRay { sheared, axis, slab: SlabRay::by(origin, dir, D::of) }
     }
 
     #[inline(always)]
-    fn meet<R: Lanes>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R> {
+    fn meet_by<R: Lanes, D: Reciprocal>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R> {
         let edges = ray.sheared.edges(&corners.map(|p| ray.axis.turn(p)));
         let hit = edges.may_hit();
         let zero = R::zero();
@@ -42,7 +43,7 @@ impl TriangleTest for Watertight {
         if !hit.any() {
             return Meeting { hit, t: zero, u: zero, v: zero, settled: none };
         }
-        let solved = edges.weigh().solve(&ray.sheared);
+        let solved = edges.weigh_by(D::of).solve_by(&ray.sheared, D::quotient);
         let mut meeting = Meeting { hit, t: solved.t, u: solved.u, v: solved.v, settled: none };
         let doubtful = solved.doubtful & hit;
         if doubtful.any() {

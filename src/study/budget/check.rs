@@ -5,7 +5,6 @@ use serde::Serialize;
 
 use crate::Result;
 use crate::image::Film;
-use crate::optics::FresnelModel;
 use crate::render::Observer;
 use crate::render::reference::Prepared;
 use crate::scene::Scene;
@@ -53,7 +52,7 @@ pub struct Beyond {
 pub fn check(scene: &Scene, film: &Film, default: &Variant, bound: f64, observer: &Observer) -> Result<Check> {
     let exact = reference::exact(default);
     let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
-    let prepared = Prepared::new(&judge, FresnelModel::Exact);
+    let prepared = Prepared::new(&judge, exact.fresnel);
     let condition = Condition::new(&judge, prepared, bound, observer);
     let pixels = sample(film.width, film.height);
     let ask = |&(x, y): &(u32, u32)| {

@@ -18,8 +18,8 @@ const PIXELS: [f64; 3] = [300.0, 600.0, 2400.0];
 /// Seconds that its reference in `f64` may take.
 const REFERENCE: f64 = 0.5;
 
-/// Renders that a time is the least of.
-const RUNS: usize = 3;
+/// Renders that a time is the median of.
+const RUNS: usize = 5;
 
 /// Pixels that are asked about their condition; where more are off, the picture is wrong whatever they say.
 const ASKED: usize = 24;
@@ -102,14 +102,18 @@ impl Judged<'_> {
     /// Makes a variant's small picture, some times, and judges it.
     pub fn measure(&mut self, variant: &Variant) -> Result<Candidate> {
         let small = Variant { samples: 1, ..*variant };
-        let mut shot = self.engine.shoot(&small, self.quick.observer)?;
-        for _ in 1..RUNS {
-            let again = self.engine.shoot(&small, self.quick.observer)?;
-            shot.seconds = shot.seconds.min(again.seconds);
+        // One to build and to warm.
+        let shot = self.engine.shoot(&small, self.quick.observer)?;
+        let mut runs = [0.0; RUNS];
+        for seconds in &mut runs {
+            *seconds = self.engine.shoot(&small, self.quick.observer)?.seconds;
         }
-        self.base_seconds.get_or_insert(shot.seconds);
+        runs.sort_by(f64::total_cmp);
+        let [median, slowest] = [runs[RUNS / 2], runs[RUNS - 1]];
+        self.base_seconds.get_or_insert(median);
         let (max, rmse) = self.judge(&shot.outcome.film)?;
-        Ok(Candidate { variant: *variant, seconds: shot.seconds * self.quick.scale, max, rmse })
+        let [seconds, slowest] = [median, slowest].map(|seconds| seconds * self.quick.scale);
+        Ok(Candidate { variant: *variant, seconds, slowest, max, rmse })
     }
 
     /// Largest difference and root of the mean squared one, ill-conditioned pixels apart.
@@ -121,8 +125,9 @@ impl Judged<'_> {
         let width = film.width as usize;
         let places: Vec<(u32, u32)> =
             beyond.iter().take(ASKED).map(|&(_, i)| ((i % width) as u32, (i / width) as u32)).collect();
-        let moves = self.condition.moves(&places)?;
-        let ill: Vec<usize> = beyond.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((_, i), _)| *i).collect();
+        let moves = self.condition.moves(&places, None)?;
+        let ill: Vec<usize> =
+            beyond.iter().zip(&moves).filter(|(_, moves)| **moves == Some(true)).map(|((_, i), _)| *i).collect();
         let well = pairs().enumerate().filter(|(i, _)| !ill.contains(i));
         let (mut max, mut squares, mut n) = (0.0_f64, 0.0, 0_u32);
         for (_, (a, b)) in well {

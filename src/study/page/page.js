@@ -167,10 +167,13 @@ const VARIANTS = [
   ["interval", "that holds the true median with 95 % confidence (less where there were few runs)", (r) => r.ratio.interval[1] - r.ratio.interval[0],
     (r) => (r.name === "default" ? "" : r.ratio.runs < 3 ? r.ratio.runs + " run" : times(r.ratio.interval[0]) + "–" + times(r.ratio.interval[1]))],
   ["", "whether the difference can be measured", (r) => Number(r.same_time), (r) => (r.name === "default" ? "" : r.same_time ? "no measurable difference" : r.ratio.median < 1 ? "faster" : "slower")],
+  ["in its walk", "triangles and reciprocals share a walk of one ray at a time: time over that of the watertight test with true division in it, and its interval",
+    (r) => (r.walk ? r.walk.median : null), (r) => (r.walk ? times(r.walk.median) + " (" + times(r.walk.interval[0]) + "–" + times(r.walk.interval[1]) + ")" : "–")],
   ["render", "wall time, median", (r) => r.seconds.median, (r) => millis(r.seconds.median)],
   ["RMSE", "against f64 at the same rays a pixel (^: against 16 × 16), ill-conditioned pixels left out", (r) => (apart(r) || judged(r)).rmse,
     (r) => (r.own ? "" : "^ ") + scientific((apart(r) || judged(r)).rmse)],
-  ["max", "largest difference of a channel, ill-conditioned pixels left out", (r) => (apart(r) || judged(r)).max, (r) => scientific((apart(r) || judged(r)).max)],
+  ["max", "largest difference of a channel, ill-conditioned pixels left out; ≤ where time ran out before every worse pixel was asked", (r) => (apart(r) || judged(r)).max,
+    (r) => (apart(r) && !apart(r).sure ? "≤ " : "") + scientific((apart(r) || judged(r)).max)],
   ["alone", "largest difference from the default's picture: what the choice alone changes", (r) => r.change && r.change.max, (r) => (r.change ? scientific(r.change.max) : "–")],
   ["PSNR", "dB, of the pictures as a screen shows them", (r) => judged(r).psnr, (r) => fixed(judged(r).psnr, 1)],
   ["SSIM", "structural similarity", (r) => judged(r).ssim, (r) => fixed(judged(r).ssim, 4)],
@@ -239,7 +242,8 @@ function choose(i) {
   const worst = judged(row).worst;
   $("detail").replaceChildren(element("b", {}, row.name), element("br"), element("code", {}, row.command), element("br"),
     `${report.machine.cpu}, ${report.threads} thread${report.threads === 1 ? "" : "s"}, ${report.machine.simd}; built in ${millis(row.build_seconds)}; ${row.ratio.runs} timed run${row.ratio.runs === 1 ? "" : "s"}` +
-    (worst ? `; worst pixel: column ${worst[0]}, row ${worst[1]}` : ""));
+    (worst ? `; worst pixel: column ${worst[0]}, row ${worst[1]}` : "") +
+    (row.settled ? `; ${scientific(row.settled)} of its triangle tests fell to f64` : ""));
   show();
 }
 
