@@ -390,7 +390,7 @@ impl Session<'_> {
         Ok(turn)
     }
 
-    /// Default, A, B, C, default, A, B, C, ... until each has as many runs as it is worth.
+    /// Default, A, B, C, default, default, A, B, C, default, ... until each has as many runs as it is worth.
     fn rounds(&mut self, name: &str, turns: &mut [Turn], seconds: f64) -> Result<()> {
         let each = seconds / turns.len().max(1) as f64;
         let fewest = FEWEST_RUNS.min(self.subject.runs);
@@ -406,18 +406,25 @@ impl Session<'_> {
                     return Ok(());
                 }
                 self.say(&format!("{name}, round {round}"));
-                let beside = self.engine.shoot(&default, self.watch.observer)?.seconds;
-                of_default.push(beside);
+                let before = self.engine.shoot(&default, self.watch.observer)?.seconds;
+                let mut round = Vec::new();
                 let mut plain = None;
-                for turn in turns.iter_mut().filter(|t| t.record.ratios.len() < t.wanted) {
+                for (i, turn) in turns.iter().enumerate().filter(|(_, t)| t.record.ratios.len() < t.wanted) {
                     let variant = turn.record.variant;
                     if let (None, Some(walk)) = (plain, variant.plain_walk()) {
                         plain = Some(self.engine.shoot(&walk, self.watch.observer)?.seconds);
                     }
-                    let seconds = self.engine.shoot(&variant, self.watch.observer)?.seconds;
-                    turn.record.seconds.push(seconds);
-                    turn.record.ratios.push(seconds / beside);
-                    turn.record.walk_ratios.extend(plain.filter(|_| variant.walk().is_some()).map(|p| seconds / p));
+                    round.push((i, self.engine.shoot(&variant, self.watch.observer)?.seconds));
+                }
+                // All of a round are held against the default's time: once is not enough.
+                let after = self.engine.shoot(&default, self.watch.observer)?.seconds;
+                let beside = (before * after).sqrt();
+                of_default.extend([before, after]);
+                for (i, seconds) in round {
+                    let record = &mut turns[i].record;
+                    record.seconds.push(seconds);
+                    record.ratios.push(seconds / beside);
+                    record.walk_ratios.extend(plain.filter(|_| record.variant.walk().is_some()).map(|p| seconds / p));
                 }
             }
             Ok(())
