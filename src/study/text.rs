@@ -52,6 +52,7 @@ fn table(report: &Report) -> String {
         let [low, high] = row.ratio.interval;
         let interval = match row.ratio.runs {
             1 => String::from("1 run"),
+            2 => String::from("2 runs"),
             _ if row.same_time => format!("= {low:.2}..{high:.2}"),
             _ => format!("{low:.2}..{high:.2}"),
         };
@@ -73,7 +74,7 @@ fn table(report: &Report) -> String {
         if let Some(walk) = row.walk.filter(|_| row.levels.plain_walk() != Some(row.levels)) {
             let [low, high] = walk.interval;
             let same = if walk.may_be(1.0) { "= " } else { "" };
-            let interval = if walk.runs == 1 { String::from("1 run") } else { format!("{same}{low:.2}..{high:.2}") };
+            let interval = if walk.runs < 3 { format!("{} runs", walk.runs) } else { format!("{same}{low:.2}..{high:.2}") };
             text += &format!("    {:<22}{:>7} {interval:>13}\n", "over watertight's walk", short(walk.median));
         }
         if let Some(settled) = row.settled.filter(|share| *share > 0.0) {
