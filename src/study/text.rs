@@ -1,5 +1,6 @@
 //! The report for a terminal of 80 columns: a table, and time against error as a plot of characters.
 
+use super::clock::Figure;
 use super::report::{Report, Row};
 
 /// Columns and rows inside the frame of the plot.
@@ -49,13 +50,7 @@ fn table(report: &Report) -> String {
     let mut marks = marks(&report.rows).into_iter();
     for row in &report.rows {
         let mark = marks.next().flatten().map_or(' ', |c| c);
-        let [low, high] = row.ratio.interval;
-        let interval = match row.ratio.runs {
-            1 => String::from("1 run"),
-            2 => String::from("2 runs"),
-            _ if row.same_time => format!("= {low:.2}..{high:.2}"),
-            _ => format!("{low:.2}..{high:.2}"),
-        };
+        let interval = interval(&row.ratio, row.same_time);
         let cells = row.judged().map_or_else(Default::default, |e| {
             let sure = e.apart.is_none_or(|a| a.sure);
             let max = format!("{}{:.1e}", if sure { "" } else { "<" }, e.apart.map_or(e.max, |a| a.max));
@@ -72,9 +67,7 @@ fn table(report: &Report) -> String {
             text += &format!("    {more}\n");
         }
         if let Some(walk) = row.walk.filter(|_| row.levels.plain_walk() != Some(row.levels)) {
-            let [low, high] = walk.interval;
-            let same = if walk.may_be(1.0) { "= " } else { "" };
-            let interval = if walk.runs < 3 { format!("{} runs", walk.runs) } else { format!("{same}{low:.2}..{high:.2}") };
+            let interval = interval(&walk, walk.may_be(1.0));
             text += &format!("    {:<22}{:>7} {interval:>13}\n", "over watertight's walk", short(walk.median));
         }
         if let Some(settled) = row.settled.filter(|share| *share > 0.0) {
@@ -105,6 +98,21 @@ fn name_lines(name: &str) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Where a figure lies, in at most 13 characters; `same` where it may be 1.
+fn interval(figure: &Figure, same: bool) -> String {
+    let number = |x: f64| match x {
+        _ if x < 10.0 => format!("{x:.2}"),
+        _ if x < 100.0 => format!("{x:.1}"),
+        _ => format!("{x:.0}"),
+    };
+    let [low, high] = figure.interval.map(number);
+    match figure.runs {
+        1 => String::from("1 run"),
+        2 => String::from("2 runs"),
+        _ => format!("{}{low}..{high}", if same { "= " } else { "" }),
+    }
 }
 
 fn short(ratio: f64) -> String {
@@ -196,6 +204,12 @@ mod tests {
         assert_eq!(name_lines("fresnel schlick, depth 4, cutoff 1/16"), ["fresnel schlick, depth", "4, cutoff 1/16"]);
         assert_eq!(name_lines("refraction oliveira c=0.6645"), ["refraction oliveira", "c=0.6645"]);
         assert_eq!((percent(0.0), percent(0.001), percent(0.5)), ("0%".into(), "0.10%".into(), "50%".into()));
+        let figure = |interval, runs| Figure { median: 1.0, interval, confidence: 0.97, runs };
+        assert_eq!(interval(&figure([0.567, 217.81], 6), true), "= 0.57..218");
+        assert_eq!(
+            (interval(&figure([17.98, 19.16], 6), false), interval(&figure([1.0, 2.0], 2), true)),
+            ("18.0..19.2".into(), "2 runs".into())
+        );
         assert!(
             wrapped(&"word ".repeat(40), "  ")
                 .lines()
