@@ -16,10 +16,10 @@ use super::axis::{Axis, Level, Precision};
 use super::plan;
 use super::reference;
 use super::variant::Variant;
+use crate::Result;
 use crate::optics::FresnelModel;
 use crate::render::Observer;
 use crate::scene::Scene;
-use crate::{Error, Result};
 use quick::Quick;
 
 /// Part of the wished error that the small picture may use up: it has fewer pixels to be wrong in.
@@ -138,16 +138,12 @@ pub fn choose(
     let mut alone: Vec<Alone> = Vec::new();
     let (singles, _) = plan::singles(scene, &base, &free);
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
-        // The picture is held against light without polarisation.
-        if variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised {
+        // The picture is held against light without polarisation, and a proof costs more than the base's own cut-off.
+        let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
+        if polarised || variant.proven.is_some() && base.proven.is_none() {
             continue;
         }
-        let candidate = match quick.measure(&variant) {
-            Ok(candidate) => candidate,
-            // A proof that this scene does not bear.
-            Err(Error::Usage(_) | Error::Limit(_)) => continue,
-            Err(e) => return Err(e),
-        };
+        let candidate = quick.measure(&variant)?;
         let Some(what) = variant.apart_from(&base).first().copied() else { continue };
         alone.push(Alone {
             axis: what.axis().name(),

@@ -19,7 +19,7 @@ const PIXELS: [f64; 3] = [300.0, 600.0, 2400.0];
 const REFERENCE: f64 = 0.5;
 
 /// Renders that a time is the median of.
-const RUNS: usize = 5;
+const RUNS: usize = 3;
 
 /// Pixels that are asked about their condition; where more are off, the picture is wrong whatever they say.
 const ASKED: usize = 24;
