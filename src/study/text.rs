@@ -50,7 +50,7 @@ fn table(report: &Report) -> String {
     let mut marks = marks(&report.rows).into_iter();
     for row in &report.rows {
         let mark = marks.next().flatten().map_or(' ', |c| c);
-        let interval = interval(&row.ratio, row.same_time);
+        let interval = within(&row.ratio, row.same_time);
         let cells = row.judged().map_or_else(Default::default, |e| {
             let sure = e.apart.is_none_or(|a| a.sure);
             let max = format!("{}{:.1e}", if sure { "" } else { "<" }, e.apart.map_or(e.max, |a| a.max));
@@ -67,7 +67,7 @@ fn table(report: &Report) -> String {
             text += &format!("    {more}\n");
         }
         if let Some(walk) = row.walk.filter(|_| row.levels.plain_walk() != Some(row.levels)) {
-            let interval = interval(&walk, walk.may_be(1.0));
+            let interval = within(&walk, walk.may_be(1.0));
             text += &format!("    {:<22}{:>7} {interval:>13}\n", "over watertight's walk", short(walk.median));
         }
         if let Some(settled) = row.settled.filter(|share| *share > 0.0) {
@@ -101,7 +101,7 @@ fn name_lines(name: &str) -> Vec<String> {
 }
 
 /// Where a figure lies, in at most 13 characters; `same` where it may be 1.
-fn interval(figure: &Figure, same: bool) -> String {
+fn within(figure: &Figure, same: bool) -> String {
     let number = |x: f64| match x {
         _ if x < 10.0 => format!("{x:.2}"),
         _ if x < 100.0 => format!("{x:.1}"),
@@ -205,9 +205,9 @@ mod tests {
         assert_eq!(name_lines("refraction oliveira c=0.6645"), ["refraction oliveira", "c=0.6645"]);
         assert_eq!((percent(0.0), percent(0.001), percent(0.5)), ("0%".into(), "0.10%".into(), "50%".into()));
         let figure = |interval, runs| Figure { median: 1.0, interval, confidence: 0.97, runs };
-        assert_eq!(interval(&figure([0.567, 217.81], 6), true), "= 0.57..218");
+        assert_eq!(within(&figure([0.567, 217.81], 6), true), "= 0.57..218");
         assert_eq!(
-            (interval(&figure([17.98, 19.16], 6), false), interval(&figure([1.0, 2.0], 2), true)),
+            (within(&figure([17.98, 19.16], 6), false), within(&figure([1.0, 2.0], 2), true)),
             ("18.0..19.2".into(), "2 runs".into())
         );
         assert!(
