@@ -254,7 +254,7 @@ fn the_tree_is_the_same_for_any_number_of_threads() {
         shapes::ball(Vec3::ZERO, 0.5, GeometryMask::OPAQUE),
     ];
     let rays = assorted(64, &mut rng);
-    let hits = |native| contract::closest(native, &rays).iter().map(bits).collect::<Vec<_>>();
+    let hits = |native: &Native| contract::closest(native, &rays).iter().map(bits).collect::<Vec<_>>();
     let mut found = Vec::new();
     for quality in BuildQuality::ALL {
         let built = [1, 2, 3, 8].map(|threads| {

@@ -131,6 +131,8 @@ impl Arena {
         } else {
             self.replace(above, best, parent);
         }
+        // Boxes above that place must grow even where the parent's own comes out as it was elsewhere.
+        self.node(parent).bounds = Bounds::EMPTY;
         self.node(parent).children = [best, node];
         self.node(best).parent = parent;
         self.node(node).parent = parent;

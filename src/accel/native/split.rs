@@ -129,8 +129,8 @@ impl<const N: usize> Bins<N> {
     fn add(&mut self, prims: &[PrimRef], scale: &Scale) {
         for p in prims {
             let places = scale.bins_of(p.twice_centres()).truncated();
-            for axis in 0..3 {
-                let bin = places[axis] as usize % N;
+            for (axis, &place) in places[..3].iter().enumerate() {
+                let bin = place as usize % N;
                 self.bounds[axis][bin] = self.bounds[axis][bin].min_or(p.0);
                 self.count[axis][bin] += 1;
             }
@@ -203,7 +203,7 @@ pub(super) fn best(prims: &[PrimRef], extent: &Extent) -> Option<Split> {
         best_of::<BINS>(prims, prims.len(), extent)
     } else {
         // An odd number of runs, since meshes repeat themselves by even ones.
-        best_of::<BINS>(prims, (prims.len() / SAMPLES | 1) * RUN, extent)
+        best_of::<BINS>(prims, ((prims.len() / SAMPLES) | 1) * RUN, extent)
     }
 }
 
