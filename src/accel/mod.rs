@@ -34,7 +34,7 @@ pub enum BuildQuality {
     #[default]
     Default,
     /// The same, and then improved by moving subtrees to where they fit better: several times as long to build, for
-    /// long renders of large scenes.
+    /// long renders of scenes in which large and small triangles mix.
     High,
 }
 

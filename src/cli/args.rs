@@ -511,7 +511,7 @@ pub(super) enum BvhArg {
     Fast,
     /// By the surface area heuristic
     Default,
-    /// Several times as long to build, quicker to trace: long renders of large scenes
+    /// Several times as long to build: long renders where large and small triangles mix
     High,
 }
 
