@@ -299,7 +299,7 @@ pub(super) struct BenchArgs {
     pub sweep: Option<Vec<u32>>,
 
     /// Picture (SVG) of the sweep to write
-    #[arg(long, value_name = "FILE", requires = "sweep")]
+    #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
 
     /// How the native hierarchy is built; Embree's is MEDIUM [default: default]

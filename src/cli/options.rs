@@ -348,6 +348,9 @@ impl TryFrom<BenchArgs> for Bench {
             true => args.sweep.is_none() || of_a_sweep(kind),
             false => named(kind),
         };
+        if args.plot.is_some() && args.sweep.is_none() {
+            return Err(Error::Usage(String::from("--plot: only --sweep is drawn; give it instead of scenes")));
+        }
         let plot = args.plot.as_deref().map(Destination::new).transpose()?;
         Ok(Self {
             frames: args.frames,
