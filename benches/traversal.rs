@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use vitrum::accel::BuildQuality;
 use vitrum::trial::agree::{Finding, Judge};
 use vitrum::trial::run::{Built, check};
 use vitrum::trial::team::Team;
@@ -25,7 +26,8 @@ fn traversal(c: &mut Criterion) {
     let team = Team::new(1).expect("a thread can be started");
     let (done, stop) = (AtomicU64::new(0), AtomicBool::new(false));
     for model in support::models() {
-        let built = Built::new(&model.geometry, &team, embree.is_ok()).expect("what was found can be built with");
+        let built = Built::new(&model.geometry, &team, embree.is_ok(), BuildQuality::Default)
+            .expect("what was found can be built with");
         let sets = rays::all(&built.native, &model.geometry, &View::of(&rays::bounds(&model.geometry)), &PICTURE);
         let judge = Judge::new(&model.geometry);
         let mut contenders = built.contenders();

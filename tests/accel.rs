@@ -4,11 +4,11 @@ mod support;
 
 use glam::Vec3;
 use support::contract::{self, bits};
-use support::kernels::{Held, KERNELS, assert_bits_of_brute_force, sound};
+use support::kernels::{Held, KERNELS, assert_bits_of_brute_force, sound, sound_as};
 use support::{Rng, shapes};
 use vitrum::accel::native::Native;
 use vitrum::accel::reference::{Reference, Verdict};
-use vitrum::accel::{Intersector, Unbounded};
+use vitrum::accel::{BuildQuality, Intersector, Unbounded};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Ray, Shape, TriMesh};
 
 #[test]
@@ -253,16 +253,20 @@ fn the_tree_is_the_same_for_any_number_of_threads() {
         shapes::masked(shapes::closed_sphere(64, 0.1, 1.0, Vec3::ZERO), GeometryMask::OPAQUE),
         shapes::ball(Vec3::ZERO, 0.5, GeometryMask::OPAQUE),
     ];
-    let built = [1, 2, 3, 8].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| sound(&geometry))
-    });
-    for other in &built[1..] {
-        assert!(other.tree_bytes() == built[0].tree_bytes());
-    }
     let rays = assorted(64, &mut rng);
-    let hits = |native| contract::closest(native, &rays).iter().map(bits).collect::<Vec<_>>();
-    assert_eq!(hits(&built[0]), hits(&built[3]));
+    let hits = |native: &Native| contract::closest(native, &rays).iter().map(bits).collect::<Vec<_>>();
+    let mut found = Vec::new();
+    for quality in BuildQuality::ALL {
+        let built = [1, 2, 3, 8].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| sound_as(&geometry, quality))
+        });
+        for other in &built[1..] {
+            assert!(other.tree_bytes() == built[0].tree_bytes(), "{quality:?}");
+        }
+        found.extend([hits(&built[0]), hits(&built[3])]);
+    }
+    assert!(found.iter().all(|other| *other == found[0]));
 }
 
 /// Cases RB-10, BB-03, BB-04, BB-06, BB-12 of the catalogue.

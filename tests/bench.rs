@@ -125,6 +125,59 @@ fn a_scene_with_spheres_and_planes_is_timed_without_its_planes() {
     assert_eq!(report["rows"][0]["mesh"], "glass");
 }
 
+/// A small picture of a glass ring.
+fn small_scene(folder: &Path) -> std::path::PathBuf {
+    let ring = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sweep-1k.toml");
+    let text = std::fs::read_to_string(ring).unwrap();
+    let small = text.replace("width = 640", "width = 48").replace("height = 480", "height = 36");
+    assert_ne!(small, text);
+    let file = folder.join("ring.toml");
+    std::fs::write(&file, small).unwrap();
+    file
+}
+
+#[test]
+fn whole_pictures_take_turns_and_hardly_differ() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = small_scene(folder.path());
+    let frames = |more: &[&str]| {
+        let mut command = vitrum();
+        command.args(["bench", "--frames", "--threads", "1", "--rounds", "2"]).arg(&scene).args(more);
+        json(&mut command)
+    };
+    let report = frames(&[]);
+    assert_eq!(keys(&report), ["frames", "machine", "ratios"]);
+    let back_ends = if has_embree() { 3 } else { 1 };
+    assert_eq!((list(&report, "frames").len(), list(&report, "ratios").len()), (back_ends, back_ends - 1));
+    for frame in list(&report, "frames") {
+        assert_eq!(frame["scene"], "ring");
+        assert!(frame["rays"].as_u64().unwrap() > 48 * 36 && frame["ms"].as_f64().unwrap() > 0.0);
+        let traversal = frame["traversal"].as_f64().unwrap();
+        assert!(0.0 < traversal && traversal < 1.0, "{traversal}");
+        assert!(frame["different"].as_u64().unwrap() < 10);
+    }
+    // Neither what is hit nor, then, how many rays follow depends on how the hierarchy was built.
+    let rays = |report: &Value| report["frames"][0]["rays"].as_u64().unwrap();
+    for quality in ["fast", "high"] {
+        assert_eq!(rays(&frames(&["--bvh", quality])), rays(&report));
+    }
+}
+
+#[test]
+fn a_sweep_is_one_landscape_in_several_sizes_and_can_be_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let plot = folder.path().join("sweep.svg");
+    let mut command = vitrum();
+    command.args(["bench", "--sweep=200,2000", "--threads", "1", "--rounds", "1", "--builds", "1", "--size", "64"]);
+    let report = json(command.arg("--plot").arg(&plot));
+    let sizes: Vec<_> = list(&report, "rows").iter().map(|r| r["triangles"].as_u64().unwrap()).collect();
+    assert!(sizes.iter().all(|n| [200, 2048].contains(n)), "{sizes:?}");
+    assert!(list(&report, "rows").iter().all(|r| r["rays"] == "primary" || r["rays"] == "diffuse"));
+    let text = std::fs::read_to_string(plot).unwrap();
+    assert!(text.starts_with("<svg") && text.contains("diffuse, native") && text.contains("n log n"));
+    assert!(!text.contains("NaN") && !text.contains("inf"));
+}
+
 #[test]
 fn wrong_wishes_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -135,6 +188,10 @@ fn wrong_wishes_are_refused() {
     refused(&[MODEL, "--size", "100"], "not a multiple of 8");
     refused(&[MODEL, "--rays", "tertiary"], "diffuse-any");
     refused(&[MODEL, "--rounds", "0"], "--rounds");
+    refused(&[MODEL, "--bvh", "perfect"], "high");
+    refused(&[MODEL, "--sweep"], "cannot be used with");
+    refused(&[MODEL, "--plot", "sweep.svg"], "--sweep");
+    refused(&[MODEL, "--frames", "--rays", "primary"], "cannot be used with");
     let plane = folder.path().join("plane.toml");
     std::fs::write(
         &plane,

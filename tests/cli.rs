@@ -205,8 +205,14 @@ fn threads_tiles_and_names_change_no_byte_of_the_file() {
     for format in ["png", "exr"] {
         let once = format!("once.{format}");
         place.run(&format!("render scene.toml -q -o {once} --threads 1 --tile 32 --samples 2")).code(0);
-        for (i, machine) in ["--threads 3 --tile 8", "--threads 8 --tile 5", "--threads 2 --tile 64"].iter().enumerate()
-        {
+        let machines = [
+            "--threads 3 --tile 8",
+            "--threads 8 --tile 5",
+            "--threads 2 --tile 64",
+            "--threads 1 --bvh fast",
+            "--threads 2 --bvh high",
+        ];
+        for (i, machine) in machines.iter().enumerate() {
             let again = format!("again{i}.{format}");
             place.run(&format!("render scene.toml -q -o {again} {machine} --samples 2")).code(0);
             assert!(place.bytes(&once) == place.bytes(&again), "{machine}");
@@ -295,6 +301,8 @@ fn wrong_usage_ends_with_2_and_writes_nothing() {
         "--threads 0",
         "--threads 1000000",
         "--tile 0",
+        "--bvh best",
+        "--bvh fast --backend reference",
         "--bits 12",
         "--exposure inf",
         "--nonsense",

@@ -25,6 +25,34 @@ pub enum Coherence {
     Incoherent,
 }
 
+/// How much work a build puts into the hierarchy. What is hit is the same to the bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BuildQuality {
+    /// In the order of a Morton curve: the quickest build, for previews.
+    Fast,
+    /// By the surface area heuristic over bins.
+    #[default]
+    Default,
+    /// The same, and then improved by moving subtrees to where they fit better: several times as long to build, for
+    /// long renders of scenes in which large and small triangles mix.
+    High,
+}
+
+impl BuildQuality {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::High];
+
+    /// The name on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Default => "default",
+            Self::High => "high",
+        }
+    }
+}
+
 /// Rays against shapes. `t_min < t <= t_max` counts as met; so does either face of a triangle.
 ///
 /// Where two hits of a ray have the same `t`, the lower (instance, geometry, primitive) is the nearest one, however

@@ -144,6 +144,10 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, help_heading = "Machine")]
     pub backend: Option<BackendArg>,
 
+    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub bvh: Option<BvhArg>,
+
     /// Ray/triangle test, by native's hierarchy one ray at a time: slow, to compare tests [default: the back end's own]
     #[arg(long, value_enum, help_heading = "Machine")]
     pub triangles: Option<TrianglesArg>,
@@ -294,22 +298,47 @@ pub(super) struct ParityArgs {
     pub quiet: bool,
 }
 
-/// Time the back ends against each other on the same rays.
+/// Time the back ends against each other on the same rays, or on whole pictures.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum bench bunny.obj dragon.obj
   vitrum bench scenes/glass.toml --threads 1 --rounds 21
   vitrum bench bunny.obj --rays primary,shadow --html bunny.html
   vitrum bench bunny.obj --json > bunny.json
+  vitrum bench --frames scenes/glass.toml scenes/goblet.toml
+  vitrum bench --sweep --threads 1 --plot sweep.svg
 
 Every contender traces the same rays, made beforehand; they take turns, and the
 figure is the median over the rounds. Contenders that do not find the same hits
 are not timed: the program says which rays differ and exits 1. Infinite planes
-are left out. A quiet machine gives narrow spreads.")]
+are left out. A quiet machine gives narrow spreads.
+
+With --frames whole pictures of the scenes, as large as they say with one ray a
+pixel, take turns instead; building is not part of their time.")]
 pub(super) struct BenchArgs {
     /// Scenes (.toml) or models (.obj)
-    #[arg(required = true, value_name = "SCENE|MESH")]
+    #[arg(required_unless_present = "sweep", value_name = "SCENE|MESH")]
     pub scenes: Vec<PathBuf>,
+
+    /// Time whole pictures of the scenes instead of rays
+    #[arg(long, conflicts_with_all = ["sweep", "rays", "size", "one_in", "builds", "html", "plot"])]
+    pub frames: bool,
+
+    /// Time primary and diffuse rays at one landscape, divided into so many triangles [default sizes: 1 k to 10 M]
+    #[arg(
+        long, value_name = "TRIANGLES,...", num_args = 0..=1, require_equals = true, value_delimiter = ',',
+        default_missing_value = "1000,3162,10000,31623,100000,316228,1000000,3162278,10000000",
+        value_parser = value_parser!(u32).range(2..=100_000_000), conflicts_with = "scenes"
+    )]
+    pub sweep: Option<Vec<u32>>,
+
+    /// Picture (SVG) of the sweep to write
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+
+    /// How the native hierarchy is built; Embree's is MEDIUM [default: default]
+    #[arg(long, value_enum)]
+    pub bvh: Option<BvhArg>,
 
     /// Threads that trace and build [default: 1, then one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
@@ -507,6 +536,17 @@ pub(super) enum ShadowsArg {
     Opaque,
     /// Light goes straight through, weakened
     Straight,
+}
+
+/// Embree's own LOW, MEDIUM and HIGH stand in where Embree traces.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum BvhArg {
+    /// Quickest to build, slower to trace: previews
+    Fast,
+    /// By the surface area heuristic
+    Default,
+    /// Several times as long to build: long renders where large and small triangles mix
+    High,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

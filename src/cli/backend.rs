@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::args::BackendArg;
 use super::interrupt;
 use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
-use crate::accel::{BuildStats, Intersector, Unbounded};
+use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
@@ -98,12 +98,18 @@ pub(super) fn start_threads(options: &Options) -> Result<()> {
 ///
 /// # Errors
 /// `Interrupted`; a limit, where threads cannot be started or a library is missing.
-pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer: &Observer) -> Result<Traced> {
+pub(super) fn trace(
+    scene: &Scene,
+    backend: Backend,
+    bvh: BuildQuality,
+    options: &Options,
+    observer: &Observer,
+) -> Result<Traced> {
     let start = Instant::now();
     match backend {
-        Backend::Native => Ok(with(Native::build(&scene.geometry), start, scene, options, observer)?.0),
+        Backend::Native => Ok(with(Native::build_as(&scene.geometry, bvh), start, scene, options, observer)?.0),
         Backend::Walk(triangles, reciprocal) => {
-            let walk = Walk::build(&scene.geometry, triangles, reciprocal);
+            let walk = Walk::build(&scene.geometry, bvh, triangles, reciprocal);
             let (traced, accel) = with(walk, start, scene, options, observer)?;
             Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
         }
@@ -116,8 +122,13 @@ pub(super) fn trace(scene: &Scene, backend: Backend, options: &Options, observer
         Backend::Embree(mode) => {
             use crate::accel::embree::{self, Embree};
             let threads = options.thread_count();
-            let built =
-                Embree::build(&scene.geometry, &embree::Options { mode, threads, ..embree::Options::default() })?;
+            let quality = match bvh {
+                BuildQuality::Fast => embree::Quality::Low,
+                BuildQuality::Default => embree::Quality::Medium,
+                BuildQuality::High => embree::Quality::High,
+            };
+            let wish = embree::Options { mode, quality, threads, ..embree::Options::default() };
+            let built = Embree::build(&scene.geometry, &wish)?;
             let [major, minor, patch] = built.library().version;
             let traced = with(built, start, scene, options, observer)?.0;
             Ok(Traced { library: Some(format!("Embree {major}.{minor}.{patch}")), ..traced })

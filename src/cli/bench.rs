@@ -1,13 +1,16 @@
 //! `vitrum bench`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::options::{Bench, refuse_input};
 use super::{Verdict, interrupt, output, progress, view};
+use crate::load::shapes::{self, Wave};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::Observer;
+use crate::scene::Scene;
+use crate::trial::frames::FramePlan;
 use crate::trial::{self, Machine, Outcome, Subject, Watch, machine};
 use crate::{Error, Result};
 
@@ -22,10 +25,17 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
             None
         }
     };
-    let subjects: Vec<Subject> = job.scenes.iter().map(|path| subject(path, job)).collect::<Result<_>>()?;
-    let watch = Watch { done: &observer.pixels_done, stop: &observer.stop };
-    let steps = job.plan.steps(embree.is_some()) * subjects.len() as u64;
     let machine = Machine::this(embree);
+    if job.frames {
+        return frames(job, machine, &observer);
+    }
+    let subjects: Vec<Subject> = if job.sweep.is_empty() {
+        job.scenes.iter().map(|path| subject(path, job)).collect::<Result<_>>()?
+    } else {
+        job.sweep.iter().map(|&triangles| landscape(triangles)).collect()
+    };
+    let watch = Watch { done: &observer.pixels_done, stop: &observer.stop };
+    let steps = job.plan.steps(machine.embree.is_some()) * subjects.len() as u64;
     let outcome = progress::follow(&observer, steps, !job.quiet, || {
         interrupt::heeded(|| trial::run::run(&subjects, &job.plan, machine, &watch))
     })?;
@@ -44,9 +54,12 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
             return Ok(Verdict::Negative);
         }
     };
+    let go_on = || !observer.stop.load(Ordering::SeqCst);
     if let Some(page) = &job.html {
-        let text = trial::html::page(&report);
-        page.write(text.as_bytes(), || !observer.stop.load(Ordering::SeqCst))?;
+        page.write(trial::html::page(&report).as_bytes(), go_on)?;
+    }
+    if let Some(picture) = &job.plot {
+        picture.write(trial::plot::svg(&report).as_bytes(), go_on)?;
     }
     if job.json {
         output::print_json(&report)?;
@@ -62,11 +75,45 @@ fn subject(path: &Path, job: &Bench) -> Result<Subject> {
     if let Some(page) = &job.html {
         refuse_input("--html", page.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     }
-    let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let view = view::of(&scene);
-    let subject = Subject::new(&name, scene.geometry, Some(view));
+    let subject = Subject::new(&name_of(path), scene.geometry, Some(view));
     if subject.geometry.is_empty() {
         return Err(Error::file(path, "has nothing that a hierarchy holds: no mesh and no sphere"));
     }
     Ok(subject)
+}
+
+/// Times whole pictures.
+fn frames(job: &Bench, machine: Machine, observer: &Observer) -> Result<Verdict> {
+    let load = |path: &PathBuf| -> Result<(String, Scene)> {
+        let Loaded { mut scene, .. } = load::scene(path, &LoadOptions::default())?;
+        scene.settings.samples = 1;
+        Ok((name_of(path), scene))
+    };
+    let scenes: Vec<_> = job.scenes.iter().map(load).collect::<Result<_>>()?;
+    let plan = FramePlan { threads: job.plan.threads.clone(), rounds: job.plan.rounds, bvh: job.plan.bvh };
+    let pixels = scenes.iter().map(|(_, s)| u64::from(s.settings.width) * u64::from(s.settings.height)).sum::<u64>();
+    let steps = pixels * plan.pictures(machine.embree.is_some());
+    let report = progress::follow(observer, steps, !job.quiet, || {
+        interrupt::heeded(|| trial::frames::run(&scenes, &plan, machine, observer))
+    })?;
+    if job.json {
+        output::print_json(&report)?;
+    } else if !job.quiet {
+        output::print(&trial::frames::table(&report))?;
+    }
+    Ok(Verdict::Done)
+}
+
+/// A landscape of waves in about so many triangles: two for each square of a square grid.
+fn landscape(triangles: u32) -> Subject {
+    let edge = (f64::from(triangles) / 2.0).sqrt().round() as u32;
+    let wave = |amplitude, wavelength, direction| Wave { amplitude, wavelength, direction, phase: 40.0 };
+    let waves = [wave(0.08, 0.9, 20.0), wave(0.05, 0.47, 75.0), wave(0.02, 0.19, 130.0)];
+    let mesh = shapes::heightfield([2.0, 2.0], &waves, 0.0, None, edge).expect("only a solid can be too thin");
+    Subject::of_mesh(&format!("landscape-{}", 2 * edge * edge), mesh)
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
 }

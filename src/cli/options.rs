@@ -11,10 +11,11 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum as _;
 
 use super::args::{
-    BackendArg, BenchArgs, BitsArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg, ReciprocalArg,
-    ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg, VerifyArgs,
+    BackendArg, BenchArgs, BitsArg, BvhArg, CompareArgs, FresnelArg, GroupArg, ParityArgs, PathArg, RaysArg,
+    ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg, VerifyArgs,
 };
 use super::backend::Backend;
+use crate::accel::BuildQuality;
 use crate::accel::native::TriangleModel;
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
@@ -47,6 +48,7 @@ pub(super) struct Render {
     /// What the scene's exact spheres are.
     pub spheres: Spheres,
     pub backend: Backend,
+    pub bvh: BuildQuality,
     pub options: render::Options,
     /// What the free choices are made for, where that is asked.
     pub wish: Option<Wish>,
@@ -150,6 +152,9 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Triangles, args.triangles.is_some()),
             (Axis::Reciprocal, args.reciprocal.is_some()),
         ];
+        if args.bvh.is_some() && backend == Backend::Reference {
+            return Err(Error::Usage(String::from("--bvh: the f64 renderer has no hierarchy to build; leave it out")));
+        }
         let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
         if wish.is_some() && backend == Backend::Reference {
             return Err(Error::Usage(String::from(
@@ -184,6 +189,7 @@ impl TryFrom<RenderArgs> for Render {
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
             backend,
+            bvh: quality(args.bvh),
             options: render::Options {
                 fresnel: args.fresnel.unwrap_or(FresnelArg::Exact).into(),
                 refraction: args.refraction.unwrap_or(RefractionArg::Stable).into(),
@@ -346,11 +352,25 @@ impl TryFrom<CompareArgs> for Compare {
     }
 }
 
+fn quality(arg: Option<BvhArg>) -> BuildQuality {
+    match arg {
+        Some(BvhArg::Fast) => BuildQuality::Fast,
+        None | Some(BvhArg::Default) => BuildQuality::Default,
+        Some(BvhArg::High) => BuildQuality::High,
+    }
+}
+
 /// A trial of the back ends.
 #[derive(Debug)]
 pub(super) struct Bench {
     pub scenes: Vec<PathBuf>,
     pub plan: Plan,
+    /// Whole pictures instead of rays.
+    pub frames: bool,
+    /// Triangles of one landscape, again and again, instead of scenes.
+    pub sweep: Vec<u32>,
+    /// Picture of the sweep to write.
+    pub plot: Option<Destination>,
     pub json: bool,
     /// Page to write.
     pub html: Option<Destination>,
@@ -377,15 +397,28 @@ impl TryFrom<BenchArgs> for Bench {
             None if all == 1 => vec![1],
             None => vec![1, all],
         };
-        let asked = |kind: &RayKind| args.rays.is_empty() || args.rays.iter().any(|&r| kind_of(r) == *kind);
+        let named = |kind: &RayKind| args.rays.iter().any(|&r| kind_of(r) == *kind);
+        let of_a_sweep = |kind: &RayKind| matches!(kind, RayKind::Primary | RayKind::Diffuse);
+        let asked = |kind: &RayKind| match args.rays.is_empty() {
+            true => args.sweep.is_none() || of_a_sweep(kind),
+            false => named(kind),
+        };
+        if args.plot.is_some() && args.sweep.is_none() {
+            return Err(Error::Usage(String::from("--plot: only --sweep is drawn; give it instead of scenes")));
+        }
+        let plot = args.plot.as_deref().map(Destination::new).transpose()?;
         Ok(Self {
+            frames: args.frames,
+            plot,
             plan: Plan {
+                bvh: quality(args.bvh),
                 picture: Picture { edge: args.size, one_in: args.one_in },
                 kinds: RayKind::ALL.into_iter().filter(asked).collect(),
                 threads,
                 rounds: args.rounds as usize,
                 builds: args.builds as usize,
             },
+            sweep: args.sweep.unwrap_or_default(),
             scenes: args.scenes,
             json: args.json,
             html,

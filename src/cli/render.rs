@@ -81,7 +81,9 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
 /// Renders, with a bar.
 pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Result<Traced> {
     let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
-    progress::follow(observer, pixels, !job.quiet, || backend::trace(scene, job.backend, &job.options, observer))
+    progress::follow(observer, pixels, !job.quiet, || {
+        backend::trace(scene, job.backend, job.bvh, &job.options, observer)
+    })
 }
 
 /// Under `--strict`: what the picture is short of for reasons other than its settings is an error.

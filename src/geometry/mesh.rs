@@ -50,9 +50,7 @@ impl TriMesh {
     /// Thin and even collinear triangles are kept: they hold the edges of their neighbours.
     #[must_use]
     pub fn is_usable(&self, i: usize) -> bool {
-        let [a, b, c] = self.corners(i);
-        let small = |p: Vec3| p.abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all();
-        small(a) && small(b) && small(c) && a != b && b != c && c != a
+        is_usable(&self.corners(i))
     }
 
     /// The box around every usable triangle.
@@ -62,4 +60,11 @@ impl TriMesh {
             .filter(|&i| self.is_usable(i))
             .fold(Aabb::EMPTY, |b, i| b.union(Aabb::of(&self.corners(i))))
     }
+}
+
+/// Whether a triangle with these corners can be hit ([`TriMesh::is_usable`]).
+#[inline(always)]
+pub(crate) fn is_usable([a, b, c]: &[Vec3; 3]) -> bool {
+    let small = |p: &Vec3| p.abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all();
+    small(a) & small(b) & small(c) & (a != b) & (b != c) & (c != a)
 }

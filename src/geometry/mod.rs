@@ -14,6 +14,7 @@ pub mod triangle_test;
 pub use aabb::Aabb;
 pub use hit::{Hit, Hit8, NO_GEOMETRY};
 pub use mesh::TriMesh;
+pub(crate) use mesh::is_usable;
 pub use plane::Plane;
 pub use ray::{Ray, Ray8};
 pub use spawn::Spot;

@@ -9,7 +9,7 @@ use super::variant::Variant;
 use crate::Error;
 use crate::Result;
 use crate::accel::native::{Lanes, Native, Walk};
-use crate::accel::{Intersector, Unbounded};
+use crate::accel::{BuildQuality, Intersector, Unbounded};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::render::reference::{self, Prepared};
 use crate::render::{Observer, Options, Outcome, render};
@@ -145,7 +145,9 @@ impl Stage {
         let place = self.walks.iter().position(|(of, _)| *of == choice);
         let mut slot = place.map(|i| self.walks.swap_remove(i).1);
         let (test, reciprocal) = choice;
-        let walk = built(&mut slot, &self.scene, || Ok(Walk::build(&self.scene.geometry, test, reciprocal)))?;
+        let walk = built(&mut slot, &self.scene, || {
+            Ok(Walk::build(&self.scene.geometry, BuildQuality::Default, test, reciprocal))
+        })?;
         let before = walk.accel.inner().lanes();
         let shot = timed(&self.scene, walk, options, observer);
         let lanes = walk.accel.inner().lanes().since(before);

@@ -1,13 +1,15 @@
-//! Trials: back ends side by side on the same rays, and the hard cases fired at each. All but `verify`, which also
-//! renders, knows shapes and accelerators, neither scenes nor materials.
+//! Trials: back ends side by side on the same rays, and the hard cases fired at each. All but `verify` and `frames`,
+//! which also render, know shapes and accelerators, neither scenes nor materials.
 
 pub mod agree;
 pub mod contender;
 #[cfg(feature = "embree")]
 pub mod embree;
+pub mod frames;
 pub mod html;
 pub mod machine;
 pub mod parity;
+pub mod plot;
 pub mod random;
 pub mod rays;
 pub mod report;

@@ -45,7 +45,7 @@ pub struct Build {
     pub mesh: String,
     /// `native`, `embree-robust` or `embree-fast`.
     pub backend: &'static str,
-    /// How it was built: `sah` (native), `medium` (Embree's name).
+    /// How it was built: `fast`, `default` or `high` (native), `medium` (Embree's name).
     pub quality: &'static str,
     /// Threads that built.
     pub threads: usize,
@@ -172,7 +172,7 @@ pub(super) fn example() -> Report {
             row("diffuse", "native", "auto", 4.0),
             row("diffuse", "embree-robust", "16c", 5.0),
         ],
-        builds: vec![build("native", "sah", 50.0), build("embree-robust", "medium", 40.0)],
+        builds: vec![build("native", "default", 50.0), build("embree-robust", "medium", 40.0)],
         ratios: vec![
             ratio("primary", "embree-robust", 1.25),
             ratio("primary", "embree-fast", 0.8),

@@ -9,8 +9,8 @@ use super::team::Team;
 use super::timing::{self, Figure, Watch};
 use crate::Result;
 use crate::accel::native::Native;
-use crate::accel::{BuildStats, Intersector};
-use crate::geometry::{Geometry, Shape};
+use crate::accel::{BuildQuality, BuildStats, Intersector};
+use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 
 /// What rays are shot at.
 #[derive(Clone, Debug)]
@@ -30,6 +30,14 @@ impl Subject {
         geometry.retain(|g| !matches!(g.shape, Shape::Plane(_)));
         Self { name: name.to_owned(), geometry, view }
     }
+
+    /// A subject of one mesh, with a view fitted to it.
+    #[must_use]
+    pub fn of_mesh(name: &str, mesh: TriMesh) -> Self {
+        // Rays look at nothing but corners.
+        let mesh = TriMesh { positions: mesh.positions, triangles: mesh.triangles, ..TriMesh::default() };
+        Self::new(name, vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }], None)
+    }
 }
 
 /// What is to be measured.
@@ -45,6 +53,8 @@ pub struct Plan {
     pub rounds: usize,
     /// How often each hierarchy is built; at least 1.
     pub builds: usize,
+    /// How the native hierarchy is built; Embree's is `MEDIUM`.
+    pub bvh: BuildQuality,
 }
 
 impl Plan {
@@ -89,21 +99,23 @@ pub fn run(subjects: &[Subject], plan: &Plan, machine: Machine, watch: &Watch) -
 pub struct Built {
     /// Our own.
     pub native: Native,
+    bvh: BuildQuality,
     #[cfg(feature = "embree")]
     embree: Vec<(&'static str, crate::accel::embree::Embree)>,
 }
 
 impl Built {
-    /// Builds with the threads of `team`, Embree's only where asked for and built in.
+    /// Builds with the threads of `team`, Embree's only where asked for and built in, and of `MEDIUM` quality.
     ///
     /// # Errors
     /// A limit, where Embree is not found or memory runs out.
-    pub fn new(geometry: &[Geometry], team: &Team, embree: bool) -> Result<Self> {
-        let native = team.install(|| Native::build(geometry));
+    pub fn new(geometry: &[Geometry], team: &Team, embree: bool, bvh: BuildQuality) -> Result<Self> {
+        let native = team.install(|| Native::build_as(geometry, bvh));
         #[cfg(not(feature = "embree"))]
         let _ = embree;
         Ok(Self {
             native,
+            bvh,
             #[cfg(feature = "embree")]
             embree: super::embree::MODES
                 .into_iter()
@@ -127,7 +139,7 @@ impl Built {
 
     /// Back end, quality and what was built.
     fn stats(&self) -> Vec<(&'static str, &'static str, BuildStats)> {
-        let native = std::iter::once(("native", "sah", self.native.build_stats()));
+        let native = std::iter::once(("native", self.bvh.name(), self.native.build_stats()));
         #[cfg(feature = "embree")]
         let native = native.chain(self.embree.iter().map(|(name, scene)| (*name, "medium", scene.build_stats())));
         native.collect()
@@ -143,7 +155,7 @@ fn build(subject: &Subject, plan: &Plan, embree: bool, watch: &Watch, report: &m
         for _ in 0..plan.builds.max(1) {
             // Two at a time would ask for twice the memory.
             drop(last.take());
-            let built = Built::new(&subject.geometry, &team, embree)?;
+            let built = Built::new(&subject.geometry, &team, embree, plan.bvh)?;
             let stats = built.stats();
             ms.resize_with(stats.len(), Vec::new);
             for (ms, (.., stats)) in ms.iter_mut().zip(stats) {
@@ -164,7 +176,7 @@ fn build(subject: &Subject, plan: &Plan, embree: bool, watch: &Watch, report: &m
     }
     match last {
         Some(built) => Ok(built),
-        None => Built::new(&subject.geometry, &Team::new(1)?, embree),
+        None => Built::new(&subject.geometry, &Team::new(1)?, embree, plan.bvh),
     }
 }
 

@@ -1,11 +1,12 @@
 //! The report as tables of at most 100 columns.
 
+use super::machine::Machine;
 use super::report::{Build, Report};
 
 /// All of it, line by line.
 #[must_use]
 pub fn tables(report: &Report) -> String {
-    let mut text = heading(report);
+    let mut text = machine(&report.machine);
     for mesh in report.meshes() {
         text += &format!("\n{mesh}: {} triangles\n", report.triangles(mesh));
         text += &builds(report, mesh);
@@ -20,8 +21,8 @@ pub fn tables(report: &Report) -> String {
     text
 }
 
-fn heading(report: &Report) -> String {
-    let machine = &report.machine;
+/// What it ran on, in a line.
+pub(super) fn machine(machine: &Machine) -> String {
     let embree = match &machine.embree {
         Some(e) => format!("Embree {} ({}, {} tasking)", e.version, e.isa, e.tasking),
         None => String::from("WITHOUT EMBREE: it was left out"),
@@ -88,7 +89,7 @@ fn ratios(report: &Report, mesh: &str, threads: usize) -> String {
 }
 
 /// Rows with their columns below each other, the first to the left, all others to the right.
-fn aligned(rows: &[Vec<String>]) -> String {
+pub(super) fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|cell| cell.chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(width).collect();

@@ -4,8 +4,8 @@ use assert_cmd::Command;
 use glam::Vec3;
 use predicates::prelude::*;
 use predicates::str::contains;
-use vitrum::accel::Unbounded;
 use vitrum::accel::native::{Native, TriangleModel, Walk};
+use vitrum::accel::{BuildQuality, Unbounded};
 use vitrum::geometry::{Geometry, GeometryMask, Ray, Shape};
 use vitrum::render::{Observer, Options, render};
 use vitrum::scene::{Rgb, Scene};
@@ -15,7 +15,7 @@ use crate::support::contract::{self, bits};
 use crate::support::{Rng, aim, scenes, shapes};
 
 fn walk(geometry: &[Geometry], test: TriangleModel) -> Walk {
-    Walk::build(geometry, test, ReciprocalModel::Exact)
+    Walk::build(geometry, BuildQuality::Default, test, ReciprocalModel::Exact)
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn still_life() -> Scene {
 }
 
 fn picture(scene: &Scene, test: TriangleModel, reciprocal: ReciprocalModel) -> Vec<[f32; 3]> {
-    let accel = Unbounded::new(Walk::build(&scene.geometry, test, reciprocal), &scene.geometry);
+    let accel = Unbounded::new(Walk::build(&scene.geometry, BuildQuality::Default, test, reciprocal), &scene.geometry);
     let outcome = render(scene, &accel, &Options::default(), &Observer::default()).expect("nobody interrupts a test");
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{test:?} {reciprocal:?}");
     outcome.film.pixels

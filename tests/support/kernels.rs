@@ -1,7 +1,7 @@
 //! The native path by each of its kernels, and what all of them must equal: testing everything.
 
 use vitrum::accel::native::{Kernel, Native, Scratch};
-use vitrum::accel::{BuildStats, Coherence, Intersector, Unbounded};
+use vitrum::accel::{BuildQuality, BuildStats, Coherence, Intersector, Unbounded};
 use vitrum::geometry::{Geometry, Hit, Hit8, Ray, Ray8, Shape};
 use vitrum::simd::Mask8;
 
@@ -27,7 +27,12 @@ pub const KERNELS: [Kernel; 4] = [Kernel::Single, Kernel::Packet, Kernel::Batch,
 
 /// A tree whose every invariant was checked.
 pub fn sound(geometry: &[Geometry]) -> Native {
-    let native = Native::build(geometry);
+    sound_as(geometry, BuildQuality::Default)
+}
+
+/// The same of any quality.
+pub fn sound_as(geometry: &[Geometry], quality: BuildQuality) -> Native {
+    let native = Native::build_as(geometry, quality);
     native.validate(geometry).unwrap();
     native
 }
@@ -56,12 +61,13 @@ pub fn brute_force(geometry: &[Geometry], ray: &Ray) -> Hit {
     best
 }
 
-/// Every kernel against [`brute_force`], to the last bit; how many rays hit.
+/// Every kernel, and every quality of the build, against [`brute_force`], to the last bit; how many rays hit.
 pub fn assert_bits_of_brute_force(geometry: &[Geometry], rays: &[Ray]) -> usize {
     let native = sound(geometry);
+    let others = [BuildQuality::Fast, BuildQuality::High].map(|q| (sound_as(geometry, q), Kernel::Auto));
     let want: Vec<Hit> = rays.iter().map(|r| brute_force(geometry, r)).collect();
-    for kernel in KERNELS {
-        let held = Unbounded::new(Held(native.clone(), kernel), geometry);
+    for (native, kernel) in KERNELS.map(|kernel| (native.clone(), kernel)).into_iter().chain(others) {
+        let held = Unbounded::new(Held(native, kernel), geometry);
         let (got, blocked) = (contract::closest(&held, rays), contract::occluded(&held, rays));
         for i in 0..rays.len() {
             assert_eq!(bits(&got[i]), bits(&want[i]), "{kernel:?} {:?}: {:?} is not {:?}", rays[i], got[i], want[i]);

@@ -14,10 +14,7 @@ pub(super) const LEAF_SIZE: usize = 8;
 pub(super) const MAX_DEPTH: usize = 64;
 
 /// Sets larger than this are split by two tasks.
-const PARALLEL: usize = 4096;
-
-/// What a visit to a binary node costs, in visits to a leaf block. A node of eight replaces about three levels.
-const NODE_COST: f32 = 0.3;
+pub(super) const PARALLEL: usize = 4096;
 
 /// A primitive to sort: the box that stands for it, and who it is.
 ///
@@ -32,6 +29,14 @@ impl PrimRef {
     pub fn new(lo: [f32; 3], hi: [f32; 3], geometry: u32, primitive: u32) -> Self {
         let (geometry, primitive) = (f32::from_bits(geometry), f32::from_bits(primitive));
         Self(F32x8::new([lo[0], lo[1], lo[2], geometry, -hi[0], -hi[1], -hi[2], primitive]))
+    }
+
+    /// Stands for what cannot be hit.
+    pub const NONE: Self = Self(F32x8::INFINITY);
+
+    /// Whether it stands for nothing.
+    pub fn is_none(&self) -> bool {
+        self.0.lane(0) == f32::INFINITY
     }
 
     /// `(geometry, primitive)`.
@@ -71,20 +76,23 @@ impl Bounds {
     /// Lower corner.
     #[inline(always)]
     pub fn lo(&self) -> [f32; 3] {
-        [0, 1, 2].map(|k| self.0.lane(k))
+        let [x, y, z, ..] = self.0.to_array();
+        [x, y, z]
     }
 
     /// Upper corner.
     #[inline(always)]
     pub fn hi(&self) -> [f32; 3] {
-        [4, 5, 6].map(|k| -self.0.lane(k))
+        let [.., x, y, z, _] = self.0.to_array();
+        [-x, -y, -z]
     }
 
     /// Half the surface area; 0 for an empty box.
     #[inline(always)]
     pub fn half_area(&self) -> f32 {
-        let b = self.0.to_array();
-        let [x, y, z] = [0, 1, 2].map(|k| (-b[k + 4] - b[k]).max_or(0.0));
+        let [a, b, c, _, d, e, f, _] = self.0.to_array();
+        let length = |lo: f32, negated_hi: f32| (-negated_hi - lo).max_or(0.0);
+        let (x, y, z) = (length(a, d), length(b, e), length(c, f));
         x * (y + z) + y * z
     }
 }
@@ -98,7 +106,8 @@ const WIDTH: usize = 8;
 /// A node of the binary tree, with the box around what it holds.
 #[derive(Debug)]
 pub(super) struct Node2 {
-    pub bounds: Bounds,
+    pub lo: [f32; 3],
+    pub hi: [f32; 3],
     pub kind: Kind,
     /// By `i`, what its best division into at most `i + 1` leaves and nodes of eight costs a ray: surface areas times
     /// costs of a visit.
@@ -109,28 +118,38 @@ pub(super) struct Node2 {
 #[derive(Debug)]
 pub(super) enum Kind {
     /// Primitives, from the place `first` on; 1 to [`LEAF_SIZE`].
-    Leaf { first: usize, count: usize },
+    Leaf { first: u32, count: u32 },
     /// Two halves.
     Inner(Box<[Node2; 2]>),
 }
 
 impl Node2 {
-    fn leaf(bounds: Bounds, first: usize, count: usize) -> Self {
-        Self { bounds, kind: Kind::Leaf { first, count }, cost: [bounds.half_area(); WIDTH] }
+    /// Of `count` primitives from `first` on.
+    pub fn leaf(bounds: Bounds, first: u32, count: u32) -> Self {
+        let kind = Kind::Leaf { first, count };
+        Self { lo: bounds.lo(), hi: bounds.hi(), kind, cost: [bounds.half_area(); WIDTH] }
     }
 
     /// By dynamic programming (Ylitie, Karras, Laine 2017): one that becomes a node of eight shares out eight among its
     /// halves, one that does not shares out what it is given.
-    fn inner(bounds: Bounds, halves: [Self; 2]) -> Self {
+    pub fn inner(bounds: Bounds, halves: Box<[Self; 2]>) -> Self {
+        let (a, b) = (&halves[0].cost, &halves[1].cost);
         let mut cost = [f32::INFINITY; WIDTH];
-        for i in 1..WIDTH {
-            cost[i] = cost[i - 1].min_or(best_share(&halves, i + 1).1);
+        for room in 2..=WIDTH {
+            for k in 1..room {
+                cost[room - 1] = (a[k - 1] + b[room - k - 1]).min_or(cost[room - 1]);
+            }
         }
         cost[0] = bounds.half_area() * WIDE_COST + cost[WIDTH - 1];
         for i in 1..WIDTH {
             cost[i] = cost[i].min_or(cost[i - 1]);
         }
-        Self { bounds, kind: Kind::Inner(Box::new(halves)), cost }
+        Self { lo: bounds.lo(), hi: bounds.hi(), kind: Kind::Inner(halves), cost }
+    }
+
+    /// The box.
+    pub fn bounds(&self) -> Bounds {
+        Bounds(PrimRef::new(self.lo, self.hi, 0, 0).0)
     }
 
     /// Calls `f` with the at most `room` descendants that are to stand for it, in order.
@@ -159,33 +178,30 @@ fn share_out<'a>(halves: &'a [Node2; 2], room: usize, f: &mut impl FnMut(&'a Nod
     halves[1].divide(room - k, f);
 }
 
-/// Sorts `prims` into a tree, whose leaves name places in the slice as it is left. `None` where it is empty.
-pub(super) fn build(prims: &mut [PrimRef]) -> Option<Node2> {
-    (!prims.is_empty()).then(|| node(prims, &split::Extent::of(prims), 0, 0))
+/// Sorts `prims`, which are not empty, into a tree, whose leaves name places in the slice as it is left.
+pub(super) fn build(prims: &mut [PrimRef]) -> Node2 {
+    node(prims, &split::Extent::of(prims), 0, 0)
 }
 
-fn node(prims: &mut [PrimRef], extent: &split::Extent, first: usize, depth: usize) -> Node2 {
+/// The same below a node at `depth`, for a part that begins at the place `first`.
+pub(super) fn node(prims: &mut [PrimRef], extent: &split::Extent, first: u32, depth: usize) -> Node2 {
     let count = prims.len();
-    let bounds = extent.bounds;
-    let best = split::best(prims, extent);
     if count <= LEAF_SIZE {
-        let worth_it = best.is_some_and(|b| NODE_COST * bounds.half_area() + b.cost < bounds.half_area());
-        if !worth_it || depth >= MAX_DEPTH {
-            return Node2::leaf(bounds, first, count);
-        }
+        return Node2::leaf(extent.bounds, first, count as u32);
     }
     // Halving from here on must still fit: then the heuristic has had its way for long enough.
     let levels_to_halve = count.div_ceil(LEAF_SIZE).next_power_of_two().trailing_zeros() as usize;
     let balanced = depth + levels_to_halve + 1 >= MAX_DEPTH;
+    let best = if balanced { None } else { split::best(prims, extent) };
     let (middle, extents) = match best {
-        Some(split) if !balanced => split::partition(prims, &split),
-        _ => split::halve(prims, extent),
+        Some(split) => split::partition(prims, &split),
+        None => split::halve(prims, extent),
     };
     let (low, high) = prims.split_at_mut(middle);
     let mut left = || node(low, &extents[0], first, depth + 1);
-    let mut right = || node(high, &extents[1], first + middle, depth + 1);
-    let (left, right) = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
-    Node2::inner(bounds, [left, right])
+    let mut right = || node(high, &extents[1], first + middle as u32, depth + 1);
+    let halves = if count > PARALLEL { rayon::join(left, right) } else { (left(), right()) };
+    Node2::inner(extent.bounds, Box::new(halves.into()))
 }
 
 #[cfg(test)]
@@ -196,7 +212,7 @@ mod tests {
     fn deepest(node: &Node2, depth: usize) -> usize {
         match &node.kind {
             Kind::Leaf { count, .. } => {
-                assert!((1..=LEAF_SIZE).contains(count));
+                assert!((1..=LEAF_SIZE as u32).contains(count));
                 depth
             }
             Kind::Inner(halves) => halves.iter().map(|n| deepest(n, depth + 1)).max().unwrap_or(depth),
@@ -220,7 +236,7 @@ mod tests {
     #[test]
     fn a_thousand_boxes_in_one_place_are_halved() {
         let mut prims: Vec<_> = (0..1000).map(|i| PrimRef::new([0.0; 3], [1.0; 3], 0, i)).collect();
-        let root = build(&mut prims).expect("not empty");
+        let root = build(&mut prims);
         assert_eq!(deepest(&root, 0), 7);
     }
 }

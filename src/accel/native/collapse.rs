@@ -2,21 +2,35 @@
 
 use rayon::prelude::*;
 
-use super::bvh2::{Kind, Node2, PrimRef, build};
+use super::bvh2::{self, Kind, Node2, PrimRef};
 use super::bvh8::{Bvh8, Child, Node8};
+use super::{morton, reinsert};
+use crate::accel::BuildQuality;
 use crate::simd::room_for;
 
 /// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them.
-pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> L + Sync) -> Bvh8<L> {
-    let Some(root) = build(prims) else {
+pub(super) fn bvh8<L: Send>(
+    prims: &mut [PrimRef],
+    quality: BuildQuality,
+    leaf: impl Fn(&[PrimRef]) -> L + Sync,
+) -> Bvh8<L> {
+    if prims.is_empty() {
         return Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, depth: 0 };
+    }
+    let tree = match quality {
+        BuildQuality::Fast => morton::build(prims),
+        BuildQuality::Default => bvh2::build(prims),
+        BuildQuality::High => reinsert::improved(bvh2::build(prims)),
     };
     let mut flat = Flat::default();
-    let root = flat.place(&root, 0);
+    let root = flat.place(&tree, 0);
     let mut nodes = room_for(flat.nodes.len());
     nodes.append(&mut flat.nodes);
+    nodes.par_iter_mut().for_each(Node8::put_in_order);
     let mut leaves = room_for(flat.leaves.len());
-    flat.leaves.par_iter().map(|&(first, count)| leaf(&prims[first..first + count])).collect_into_vec(&mut leaves);
+    let of = |&(first, count): &(u32, u32)| leaf(&prims[first as usize..][..count as usize]);
+    // Giving back half a million small boxes takes a while, too.
+    rayon::join(|| flat.leaves.par_iter().map(of).collect_into_vec(&mut leaves), || drop(tree));
     Bvh8 { nodes, leaves, root, depth: flat.depth }
 }
 
@@ -24,7 +38,7 @@ pub(super) fn bvh8<L: Send>(prims: &mut [PrimRef], leaf: impl Fn(&[PrimRef]) -> 
 struct Flat {
     nodes: Vec<Node8>,
     /// First primitive and how many.
-    leaves: Vec<(usize, usize)>,
+    leaves: Vec<(u32, u32)>,
     depth: usize,
 }
 
@@ -47,13 +61,12 @@ impl Flat {
             let to = self.place(child, depth + 1);
             let node = &mut self.nodes[here];
             node.children[i] = to;
-            let (lo, hi) = (child.bounds.lo(), child.bounds.hi());
+            let (lo, hi) = (child.lo, child.hi);
             for axis in 0..3 {
                 node.planes[axis][0].set_lane(i, lo[axis]);
                 node.planes[axis][1].set_lane(i, hi[axis]);
             }
         }
-        self.nodes[here].put_in_order();
         Child::node(here)
     }
 }

@@ -10,7 +10,9 @@ mod bvh2;
 mod bvh8;
 mod collapse;
 mod leaf;
+mod morton;
 mod rays;
+mod reinsert;
 mod sphere8;
 mod split;
 mod stack;
@@ -34,9 +36,9 @@ pub use self::traverse_stream::Kernel;
 use self::traverse_stream::Trees;
 use self::tri8::Tri8;
 pub use self::walk::{Lanes, Walk};
-use super::{BuildStats, Coherence, Intersector};
+use super::{BuildQuality, BuildStats, Coherence, Intersector};
 pub use crate::geometry::triangle_test::TriangleModel;
-use crate::geometry::{Geometry, Hit8, Ray8, Shape, slab, sphere};
+use crate::geometry::{Geometry, Hit8, Ray8, Shape, is_usable, slab, sphere};
 use crate::math::Vector3;
 use crate::simd::Mask8;
 
@@ -49,10 +51,17 @@ pub struct Native {
 }
 
 impl Native {
-    /// Builds over the meshes and spheres of `geometry`; a hit's geometry is the place in this list. What cannot be
-    /// hit ([`crate::geometry::TriMesh::is_usable`]) is left out and counted. The same tree for any number of threads.
+    /// [`Native::build_as`] with [`BuildQuality::Default`].
     #[must_use]
     pub fn build(geometry: &[Geometry]) -> Self {
+        Self::build_as(geometry, BuildQuality::Default)
+    }
+
+    /// Builds over the meshes and spheres of `geometry`; a hit's geometry is the place in this list. What cannot be
+    /// hit ([`crate::geometry::TriMesh::is_usable`]) is left out and counted. The same tree for any number of threads,
+    /// and the same hits to the bit by every quality.
+    #[must_use]
+    pub fn build_as(geometry: &[Geometry], quality: BuildQuality) -> Self {
         let start = Instant::now();
         let (mut triangles, mut spheres) = (Vec::new(), Vec::new());
         let mut dropped = 0;
@@ -61,9 +70,20 @@ impl Native {
             match &g.shape {
                 Shape::Mesh(mesh) => {
                     let before = triangles.len();
-                    let usable = (0..mesh.triangles.len()).into_par_iter().filter(|&i| mesh.is_usable(i));
-                    triangles.par_extend(usable.map(|i| triangle_ref(mesh.corners(i), id, i as u32)));
-                    dropped += mesh.triangles.len() - (triangles.len() - before);
+                    let count = mesh.triangles.len();
+                    // Into exactly the room they need; what is not usable is rare, and taken out afterwards.
+                    triangles.par_extend((0..count).into_par_iter().map(|i| {
+                        let corners = mesh.corners(i);
+                        if is_usable(&corners) { triangle_ref(corners, id, i as u32) } else { PrimRef::NONE }
+                    }));
+                    if triangles[before..].par_iter().any(PrimRef::is_none) {
+                        let mut place = 0;
+                        triangles.retain(|p| {
+                            place += 1;
+                            place <= before || !p.is_none()
+                        });
+                    }
+                    dropped += count - (triangles.len() - before);
                 }
                 Shape::Sphere(s) if s.is_usable() => {
                     let (lo, hi) = sphere::grown_bounds::<f32>(s.centre.into(), s.radius);
@@ -75,16 +95,18 @@ impl Native {
         }
         let mut stats =
             BuildStats { triangles: triangles.len(), spheres: spheres.len(), dropped, ..Default::default() };
-        let triangles = collapse::bvh8(&mut triangles, |prims| {
+        let triangles = collapse::bvh8(&mut triangles, quality, |prims| {
+            let mesh = |id: u32| match &geometry[id as usize].shape {
+                Shape::Mesh(mesh) => mesh,
+                _ => unreachable!("a reference to a triangle names a mesh"),
+            };
             let of = |p: &PrimRef| {
                 let (id, primitive) = p.id();
-                let g = &geometry[id as usize];
-                let Shape::Mesh(mesh) = &g.shape else { unreachable!("a reference to a triangle names a mesh") };
-                (mesh.corners(primitive as usize), id, primitive, g.mask.0)
+                (mesh(id).corners(primitive as usize), id, primitive, geometry[id as usize].mask.0)
             };
             Tri8::new(&prims.iter().map(of).collect::<arrayvec::ArrayVec<_, 8>>())
         });
-        let spheres = collapse::bvh8(&mut spheres, |prims| {
+        let spheres = collapse::bvh8(&mut spheres, quality, |prims| {
             let of = |p: &PrimRef| {
                 let g = &geometry[p.id().0 as usize];
                 let Shape::Sphere(sphere) = g.shape else { unreachable!("a reference to a sphere names one") };

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::bvh8::{Bvh8, Child};
 use super::leaf::{Best, Leaf, Tags};
-use super::{BuildStats, Coherence, Intersector, Native};
+use super::{BuildQuality, BuildStats, Coherence, Intersector, Native};
 use crate::geometry::slab::{SlabRay, upper_end};
 use crate::geometry::triangle_test::{
     Certified, Meeting, MollerTrumbore, PlaneArea, Pluecker, TriangleModel, TriangleTest, Watertight,
@@ -87,10 +87,15 @@ struct Kernels {
 }
 
 impl Walk {
-    /// Builds over the meshes and spheres of `geometry`, as [`Native::build`] does.
+    /// Builds over the meshes and spheres of `geometry`, as [`Native::build_as`] does.
     #[must_use]
-    pub fn build(geometry: &[Geometry], triangles: TriangleModel, reciprocal: ReciprocalModel) -> Self {
-        let native = Native::build(geometry);
+    pub fn build(
+        geometry: &[Geometry],
+        quality: BuildQuality,
+        triangles: TriangleModel,
+        reciprocal: ReciprocalModel,
+    ) -> Self {
+        let native = Native::build_as(geometry, quality);
         let nan = Vec3x8::splat(glam::Vec3::NAN);
         let tags = |ids: &[(u32, u32)]| Tags::new(ids.iter().map(|&(g, p)| (g, p, geometry[g as usize].mask.0)));
         let trees = Trees {

@@ -1,0 +1,272 @@
+//! Whole pictures: the same scene rendered over the native hierarchy and over Embree, by turns.
+//!
+//! Shading is the same code for all, so that the ratio of whole pictures lies between 1 and that of traversal; how
+//! much of a picture is traversal is measured once beside it.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::machine::Machine;
+use super::timing::{self, Figure};
+use crate::Result;
+use crate::accel::native::Native;
+use crate::accel::{BuildQuality, BuildStats, Coherence, Intersector, Unbounded};
+use crate::geometry::{Hit8, Ray8};
+use crate::image::Film;
+use crate::render::{self, Observer, Options, Outcome};
+use crate::scene::Scene;
+use crate::simd::Mask8;
+
+/// A channel that differs by more than this between two back ends makes its pixel count as different.
+const TOLERANCE: f32 = 5e-4;
+
+/// Everything that was measured, in the form that `--json` has.
+#[derive(Clone, Debug, Serialize)]
+pub struct Frames {
+    /// What it ran on.
+    pub machine: Machine,
+    /// Pictures, by scene, threads and back end.
+    pub frames: Vec<Frame>,
+    /// Native against Embree.
+    pub ratios: Vec<FrameRatio>,
+}
+
+/// A picture by one back end.
+#[derive(Clone, Debug, Serialize)]
+pub struct Frame {
+    /// Name of the scene.
+    pub scene: String,
+    /// `native`, `embree-robust` or `embree-fast`.
+    pub backend: &'static str,
+    /// Threads that rendered.
+    pub threads: usize,
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// Milliseconds from scene to film, building left out: median over the rounds.
+    pub ms: f64,
+    /// Their 10th and 90th percentile.
+    pub spread: [f64; 2],
+    /// Share of the threads' time that went into tracing rays, by a picture of its own in which each call is timed.
+    pub traversal: f64,
+    /// Pixels that differ from the native picture's by more than 5e-4 in some channel.
+    pub different: usize,
+}
+
+/// Whole pictures, native against one mode of Embree.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrameRatio {
+    /// Name of the scene.
+    pub scene: String,
+    /// Threads that rendered.
+    pub threads: usize,
+    /// `embree-robust` or `embree-fast`.
+    pub against: &'static str,
+    /// Embree's time over the native path's, median of the rounds' ratios: above 1 native is faster.
+    pub ratio: f64,
+    /// Its 10th and 90th percentile.
+    pub spread: [f64; 2],
+}
+
+/// What is to be measured.
+#[derive(Clone, Debug)]
+pub struct FramePlan {
+    /// Numbers of threads, one after the other.
+    pub threads: Vec<usize>,
+    /// How often each back end renders; at least 1.
+    pub rounds: usize,
+    /// How the native hierarchy is built.
+    pub bvh: BuildQuality,
+}
+
+impl FramePlan {
+    /// Pictures in all, for each scene.
+    #[must_use]
+    pub fn pictures(&self, embree: bool) -> u64 {
+        (self.threads.len() * if embree { 3 } else { 1 } * (self.rounds.max(1) + 1)) as u64
+    }
+}
+
+/// Renders every scene by everyone as often as planned. Embree takes part where `machine` has it.
+///
+/// # Errors
+/// As [`render::render`]; a limit, where Embree cannot build.
+pub fn run(scenes: &[(String, Scene)], plan: &FramePlan, machine: Machine, observer: &Observer) -> Result<Frames> {
+    let embree = machine.embree.is_some();
+    let mut report = Frames { machine, frames: Vec::new(), ratios: Vec::new() };
+    for (name, scene) in scenes {
+        let ways = ways(scene, plan, embree)?;
+        for &threads in &plan.threads {
+            measure(name, scene, &ways, threads, plan.rounds.max(1), observer, &mut report)?;
+        }
+    }
+    Ok(report)
+}
+
+/// A back end that a scene was built for.
+struct Way {
+    name: &'static str,
+    accel: Box<dyn Renders>,
+}
+
+impl Way {
+    fn new(name: &'static str, accel: impl Intersector + 'static, scene: &Scene) -> Self {
+        Self { name, accel: Box::new(Unbounded::new(accel, &scene.geometry)) }
+    }
+}
+
+/// Renders over an accelerator, whatever its type.
+trait Renders {
+    /// A picture; into the counter, nanoseconds that tracing took, all threads together.
+    fn picture(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        observer: &Observer,
+        nanos: Option<&AtomicU64>,
+    ) -> Result<Outcome>;
+}
+
+impl<I: Intersector> Renders for Unbounded<I> {
+    fn picture(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        observer: &Observer,
+        nanos: Option<&AtomicU64>,
+    ) -> Result<Outcome> {
+        match nanos {
+            None => render::render(scene, self, options, observer),
+            Some(nanos) => render::render(scene, &Timed { inner: self, nanos }, options, observer),
+        }
+    }
+}
+
+/// An accelerator whose calls are timed.
+struct Timed<'a, I> {
+    inner: &'a I,
+    nanos: &'a AtomicU64,
+}
+
+impl<I> Timed<'_, I> {
+    fn time(&self, work: impl FnOnce()) {
+        let start = Instant::now();
+        work();
+        self.nanos.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+}
+
+impl<I: Intersector> Intersector for Timed<'_, I> {
+    type Scratch = I::Scratch;
+
+    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Self::Scratch) {
+        self.time(|| self.inner.closest(rays, hits, coherence, scratch));
+    }
+
+    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Self::Scratch) {
+        self.time(|| self.inner.occluded(rays, blocked, coherence, scratch));
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        self.inner.build_stats()
+    }
+}
+
+/// Builds for everyone, the native path first; Embree's only where asked for and built in.
+fn ways(scene: &Scene, plan: &FramePlan, embree: bool) -> Result<Vec<Way>> {
+    let native = std::iter::once_with(|| Ok(Way::new("native", Native::build_as(&scene.geometry, plan.bvh), scene)));
+    #[cfg(not(feature = "embree"))]
+    let _ = embree;
+    #[cfg(feature = "embree")]
+    let native = native.chain(super::embree::MODES.into_iter().filter(|_| embree).map(|(name, mode)| {
+        let threads = plan.threads.iter().copied().max().unwrap_or(1);
+        Ok(Way::new(name, super::embree::build(&scene.geometry, mode, threads)?, scene))
+    }));
+    native.collect()
+}
+
+/// One scene by one number of threads.
+fn measure(
+    name: &str,
+    scene: &Scene,
+    ways: &[Way],
+    threads: usize,
+    rounds: usize,
+    observer: &Observer,
+    report: &mut Frames,
+) -> Result<()> {
+    let options = Options { threads, ..Options::default() };
+    let mut films: Vec<Film> = Vec::new();
+    for way in ways {
+        let nanos = AtomicU64::new(0);
+        let start = Instant::now();
+        let outcome = way.accel.picture(scene, &options, observer, Some(&nanos))?;
+        let all = start.elapsed().as_secs_f64() * threads as f64;
+        films.push(outcome.film);
+        report.frames.push(Frame {
+            scene: name.to_owned(),
+            backend: way.name,
+            threads,
+            rays: outcome.rays.total(),
+            ms: 0.0,
+            spread: [0.0; 2],
+            traversal: nanos.into_inner() as f64 * 1e-9 / all,
+            different: different(&films[0], &films[films.len() - 1]),
+        });
+    }
+    let mut seconds = vec![Vec::with_capacity(rounds); ways.len()];
+    for _ in 0..rounds {
+        for (way, seconds) in ways.iter().zip(&mut seconds) {
+            let start = Instant::now();
+            way.accel.picture(scene, &options, observer, None)?;
+            seconds.push(start.elapsed().as_secs_f64());
+        }
+    }
+    let first = report.frames.len() - ways.len();
+    for ((frame, way), seconds_of) in report.frames[first..].iter_mut().zip(ways).zip(&seconds) {
+        let figure = Figure::of(seconds_of.iter().map(|s| s * 1e3).collect());
+        (frame.ms, frame.spread) = (figure.median, figure.spread);
+        if way.name != "native" {
+            let Figure { median, spread } = timing::ratio(&seconds[0], seconds_of);
+            let scene = name.to_owned();
+            report.ratios.push(FrameRatio { scene, threads, against: way.name, ratio: median, spread });
+        }
+    }
+    Ok(())
+}
+
+/// Pixels that differ in some channel.
+fn different(a: &Film, b: &Film) -> usize {
+    let close = |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= TOLERANCE);
+    a.pixels.iter().zip(&b.pixels).filter(|(a, b)| !close(a, b)).count()
+}
+
+/// The report as a table.
+#[must_use]
+pub fn table(report: &Frames) -> String {
+    let head = ["scene", "threads", "back end", "ms", "10..90 %", "traversal", "native is", "10..90 %", "differ"];
+    let mut rows = vec![head.map(String::from).to_vec()];
+    for f in &report.frames {
+        let ratio = report
+            .ratios
+            .iter()
+            .find(|r| r.scene == f.scene && r.threads == f.threads && r.against == f.backend)
+            .map_or([String::from("-"), String::from("-")], |r| {
+                [format!("{:.2} x", r.ratio), format!("{:.2}..{:.2}", r.spread[0], r.spread[1])]
+            });
+        let [ratio, spread] = ratio;
+        rows.push(vec![
+            f.scene.clone(),
+            f.threads.to_string(),
+            f.backend.to_owned(),
+            format!("{:.1}", f.ms),
+            format!("{:.1}..{:.1}", f.spread[0], f.spread[1]),
+            format!("{:.0} %", f.traversal * 100.0),
+            ratio,
+            spread,
+            f.different.to_string(),
+        ]);
+    }
+    format!("{}\n{}", super::text::machine(&report.machine), super::text::aligned(&rows))
+}
