@@ -243,6 +243,51 @@ fn white_stays_whole_where_its_wavelengths_stay_together() {
     }
 }
 
+/// What a window costs: its wavelengths leave side by side, and stay apart.
+#[test]
+fn behind_a_slab_wavelengths_are_parallel_and_as_far_apart_as_snell_has_them() {
+    let curve = named("sf11");
+    let bands = Bands::new(BANDS, 0.5);
+    let n: Vec<f64> = bands.nm.iter().map(|&nm| curve.index_at(nm).expect("a curve")).collect();
+    let sin_i = 0.5_f64.sqrt();
+    let sin_t = |n: f64| sin_i / n;
+    let passes = |n: f64| (1.0 - fresnel(1.0, n, sin_i)) * (1.0 - fresnel(n, 1.0, sin_t(n)));
+    // A slab of thickness 1 below z = 0; the ray falls on it in the middle, under 45 degrees.
+    let slab_scene = || {
+        let mut scene = dark();
+        scene.settings.max_depth = 2;
+        let glass = dispersing(&mut scene, curve);
+        add(&mut scene, Shape::Mesh(cuboid_mesh(Vec3::new(-9.0, -9.0, -1.0), Vec3::new(9.0, 9.0, 0.0))), glass);
+        let dir = DVec3::new(sin_i, 0.0, -sin_i);
+        look(&mut scene, DVec3::new(0.1, 0.2, 0.0) - dir * 2.0, dir);
+        scene
+    };
+    // Where each is two units below: the shift inside, and 45 degrees again.
+    let at: Vec<f64> = n.iter().map(|&n| 0.1 + sin_t(n) / (1.0 - sin_t(n).powi(2)).sqrt() + 2.0).collect();
+    assert!((0.019..0.02).contains(&(at[7] - at[0])), "{at:?}");
+    // A sheet of light from there on where half of them arrive.
+    let mut scene = slab_scene();
+    let edge = 0.5 * (at[3] + at[4]) as f32;
+    let lamp = emitter(&mut scene, 1.0);
+    let sheet = cuboid_mesh(Vec3::new(edge, -9.0, -3.0002), Vec3::new(9.0, 9.0, -3.0));
+    add(&mut scene, Shape::Mesh(sheet), lamp);
+    let want: DVec3 = (4..8).map(|k| weight(&bands, k) * passes(n[k])).sum();
+    for (renderer, outcome) in both(&scene) {
+        close(&format!("{renderer}, an edge"), outcome.film.at(0, 0), want, 4e-6);
+        // There, reflected, in by eight, and on and back by eight each.
+        assert_eq!(outcome.rays.total(), 1 + 1 + 8 + 16);
+    }
+    // A small lamp so far off that only parallel light meets it all.
+    let mut scene = slab_scene();
+    let lamp = emitter(&mut scene, 1.0);
+    let middle = 0.5 * (at[0] + at[7]);
+    sphere(&mut scene, Vec3::new((middle + 1000.0) as f32, 0.2, -1003.0), 0.05, lamp);
+    let want: DVec3 = (0..8).map(|k| weight(&bands, k) * passes(n[k])).sum();
+    for (renderer, outcome) in both(&scene) {
+        close(&format!("{renderer}, far away"), outcome.film.at(0, 0), want, 4e-6);
+    }
+}
+
 #[test]
 fn in_a_white_room_a_clear_prism_and_ball_are_as_white_as_the_room() {
     for cutoff in [0.0, 1e-2] {

@@ -9,13 +9,13 @@ use assert_cmd::Command;
 use glam::Vec3;
 use support::scenes::{add, bare, cuboid, cuboid_mesh, empty, glass, material, native, plane, sphere};
 use support::{Rng, random};
-use vitrum::effects::{self, Effect, EffectPlan, EffectSet, Pipeline};
+use vitrum::effects::{self, Decision, Effect, EffectPlan, EffectSet, Pipeline};
 use vitrum::geometry::Shape;
 use vitrum::load;
 use vitrum::render::{Observer, Options, Outcome, Stage, reference};
 use vitrum::scene::{
-    Colour, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, MirrorSource, Projection, Rgb,
-    Scene, Settings,
+    Colour, Dispersion, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, MirrorSource,
+    Projection, Rgb, Scene, Settings,
 };
 
 fn by(pipeline: Pipeline, without: EffectSet, options: &Options) -> Options {
@@ -101,6 +101,81 @@ fn a_picture_never_takes_more_rays_or_deeper_ones_than_was_said_before() {
     }
 }
 
+/// Rays of a scene of one camera ray to a pixel: what was said before, and the most that a pixel took.
+fn said_and_taken(scene: &mut Scene) -> (effects::RayBound, f64) {
+    let said = EffectPlan::resolve(scene, &effects::Options::default()).rays;
+    let mut most = 0;
+    let (width, height) = (scene.settings.width, scene.settings.height);
+    (scene.settings.width, scene.settings.height) = (1, 1);
+    let (eye, target) = (scene.camera.eye, scene.camera.target);
+    for i in 0..width * height {
+        // One pixel at a time, looking all over the scene.
+        let off = Vec3::new((i % width) as f32 / width as f32 - 0.5, (i / width) as f32 / height as f32 - 0.5, 0.0);
+        scene.camera.target = target + off * 2.0;
+        most = most.max(native(scene, &Options::default()).rays.total());
+    }
+    (scene.settings.width, scene.settings.height) = (width, height);
+    (scene.camera.eye, scene.camera.target) = (eye, target);
+    (said, most as f64)
+}
+
+#[test]
+fn the_bound_on_rays_is_reached_where_it_can_be_counted_by_hand() {
+    let base = || {
+        let mut scene = empty(1.0);
+        scene.settings = Settings { width: 8, height: 8, max_depth: 6, cutoff: 0.0, ..Settings::default() };
+        (scene.camera.eye, scene.camera.target) = (Vec3::new(0.0, 0.1, 4.0), Vec3::ZERO);
+        scene
+    };
+    // A ball of glass: one ray outside and one inside at each level after the first.
+    let mut scene = base();
+    let clear = glass(&mut scene, 1.5, 0, Rgb::ZERO);
+    sphere(&mut scene, Vec3::ZERO, 1.0, clear);
+    let (said, taken) = said_and_taken(&mut scene);
+    assert_eq!((said.depth, said.per_pixel, taken), (6, 1.0 + 2.0 * 6.0, 13.0));
+    // A box of glass alone, which a ray can leave on any side.
+    let mut scene = base();
+    let clear = glass(&mut scene, 1.5, 0, Rgb::ZERO);
+    cuboid(&mut scene, Vec3::new(-0.9, -0.7, -0.5), Vec3::new(0.8, 0.6, 0.4), clear);
+    let (said, taken) = said_and_taken(&mut scene);
+    assert!(said.per_pixel == 13.0 && taken <= 13.0, "{said:?} {taken}");
+    // One plane of a mirror: a ray and its reflection. With a lamp over a floor that answers, shadow rays from the end.
+    let mut scene = base();
+    let mirror = material(&mut scene, mirror());
+    plane(&mut scene, Vec3::Z * -1.0, Vec3::Z, mirror);
+    let grey = material(&mut scene, grey());
+    plane(&mut scene, Vec3::Z * 5.0, -Vec3::Z, grey);
+    scene.lights.push(lamp(Vec3::new(0.0, 3.0, 0.0)));
+    let (said, taken) = said_and_taken(&mut scene);
+    assert_eq!((said.depth, said.per_pixel, taken), (1, 3.0, 3.0));
+    // Two facing mirrors that keep 0.9: 0.9 to the 65th is the last that is not below 1/1024.
+    let mut scene = base();
+    (scene.settings.max_depth, scene.settings.cutoff) = (500, 1.0 / 1024.0);
+    let mirror = material(&mut scene, mirror_of(0.9));
+    plane(&mut scene, Vec3::Z * -1.0, Vec3::Z, mirror);
+    plane(&mut scene, Vec3::Z * 5.0, -Vec3::Z, mirror);
+    let (said, taken) = said_and_taken(&mut scene);
+    assert_eq!((said.depth, said.per_pixel, taken), (65, 66.0, 66.0));
+}
+
+#[test]
+fn scenes_that_disperse_keep_to_their_bound_on_rays() {
+    let mut rng = Rng::new(12);
+    for k in 0..12 {
+        let mut scene = empty(1.0);
+        scene.settings = Settings { width: 12, height: 12, max_depth: 5, wavelengths: 7, ..Settings::default() };
+        scene.settings.cutoff = [0.0, 1e-3, 0.05, 0.2][k % 4];
+        let clear = glass(&mut scene, 1.7, 0, Rgb::ZERO);
+        scene.media.last_mut().expect("just added").dispersion = Dispersion::Cauchy([1.7, 0.02, 0.0]);
+        for _ in 0..=k / 4 {
+            sphere(&mut scene, rng.point() * 0.8, 0.5 + 0.3 * rng.unit(), clear);
+        }
+        (scene.camera.eye, scene.camera.target) = (rng.direction().normalize() * 4.0, Vec3::ZERO);
+        let (said, taken) = said_and_taken(&mut scene);
+        assert!(taken <= said.per_pixel, "scene {k}: {taken} of {said:?}");
+    }
+}
+
 fn lamp(position: Vec3) -> Light {
     let kind = LightKind::Point { position };
     Light { name: "lamp".into(), kind, intensity: Rgb::splat(20.0), falloff: Falloff::InverseSquare, shadows: true }
@@ -111,7 +186,11 @@ fn grey() -> Material {
 }
 
 fn mirror() -> Material {
-    bare(Interface::Mirror { reflectance: Rgb::splat(0.9), source: MirrorSource::Traced })
+    mirror_of(0.9)
+}
+
+fn mirror_of(share: f32) -> Material {
+    bare(Interface::Mirror { reflectance: Rgb::splat(share), source: MirrorSource::Traced })
 }
 
 #[test]
@@ -133,10 +212,12 @@ fn a_diffuse_scene_runs_no_stage_but_those_of_diffuse_surfaces() {
         Stage::Thin,
         Stage::Coated,
         Stage::Alpha,
+        Stage::Lamp,
         Stage::Pass,
     ] {
         assert_eq!(streams.of(stage), 0, "{stage:?}");
     }
+    assert_eq!(Stage::COUNT, 14, "a stage that is new is in one of these lists");
     let on: Vec<_> = EffectPlan::resolve(&scene, &effects::Options::default()).on().iter().collect();
     assert_eq!(on, [Effect::Diffuse, Effect::HardShadows]);
     // The same scene with a pane behind the eye has its code, and never runs it.
@@ -228,13 +309,87 @@ fn nothing_meets_what_lies_behind_an_opaque_plane() {
         }
         let plan = EffectPlan::resolve(&scene, &effects::Options::default());
         if plan.reach.hidden[secret].is_some() {
-            let all = native(&scene, &by(Pipeline::All, EffectSet::EMPTY, &Options::default()));
+            assert!(plan.reach.unmet[secret] && !plan.reach.sealed[secret]);
+            let [auto, all] = auto_and_all(&scene, EffectSet::EMPTY, &Options::default());
+            assert!(same(&auto, &all), "scene {k}");
             assert_eq!(all.streams.of(Stage::Thin), 0, "scene {k}: a ray met the pane");
         } else {
             // Only the eye can be on the wrong side.
             assert!(normal.dot(scene.camera.eye) < -4.0, "scene {k}");
         }
     }
+}
+
+#[test]
+fn rays_that_graze_a_plane_and_start_on_it_far_away_do_not_meet_what_lies_right_behind_it() {
+    let (mut rng, mut far) = (Rng::new(8), 0);
+    for k in 0..60 {
+        let mut scene = empty(0.5);
+        scene.settings = Settings { width: 64, height: 64, max_depth: 8, cutoff: 0.0, ..Settings::default() };
+        let surfaces = [
+            mirror(),
+            bare(Interface::Coated { ior: 1.5 }),
+            Material { diffuse: Colour::Constant(Rgb::ONE), ..mirror() },
+        ];
+        let surfaces: Vec<u32> = surfaces.into_iter().map(|m| material(&mut scene, m)).collect();
+        let coloured = glass(&mut scene, 1.5, 0, Rgb::splat(0.3));
+        let clear = glass(&mut scene, 1.5, 0, Rgb::ZERO);
+        let normal = (Vec3::Y + rng.point() * if k % 2 == 0 { 0.0 } else { 0.3 }).normalize();
+        let across = normal.any_orthonormal_vector();
+        plane(&mut scene, Vec3::ZERO, normal, surfaces[rng.below(3)]);
+        // Right behind the plane, as near as is proven and sometimes nearer; none other has an absorbing medium.
+        for _ in 0..6 {
+            let (along, radius) = (rng.point() * 2.0, 0.1 + 0.5 * rng.unit());
+            let depth = radius + 3e-4 * (0.8 + 2.0 * rng.unit());
+            sphere(&mut scene, along - normal * (along.dot(normal) + depth), radius, coloured);
+        }
+        for _ in 0..3 {
+            let along = rng.point() * 2.0;
+            sphere(&mut scene, along - normal * (along.dot(normal) - 1.5), 0.6, clear);
+        }
+        // Nearly along the plane, so that much of the picture meets it farther off than anything else is large.
+        let slope = 10_f32.powf(-1.0 - 5.0 * rng.unit());
+        scene.camera.eye = across * -2.0 + normal * (1e-3 + 0.1 * rng.unit());
+        scene.camera.target = scene.camera.eye + across - normal * slope;
+        scene.camera.up = normal;
+        scene.camera.projection = if rng.below(2) == 0 {
+            Projection::Orthographic { height: 0.05 * slope }
+        } else {
+            Projection::Pinhole { vfov: 3.0 * slope }
+        };
+        let plan = EffectPlan::resolve(&scene, &effects::Options::default());
+        let [auto, all] = auto_and_all(&scene, EffectSet::EMPTY, &Options::default());
+        assert!(same(&auto, &all), "scene {k}");
+        if plan.reach.unmet[1..7].iter().all(|&unmet| unmet) {
+            far += 1;
+            assert!(!plan.of(Effect::Absorption).on);
+        }
+    }
+    assert!(far >= 20, "{far} proofs to be tried");
+}
+
+#[test]
+fn a_lamp_that_is_walled_in_has_no_stage_and_adds_nothing() {
+    let (mut rng, mut proven) = (Rng::new(9), 0);
+    for k in 0..80 {
+        let (mut scene, wall, _) = with_a_secret(&mut rng);
+        let position = scene.camera.target + rng.point() * 0.1;
+        scene.lights[0].kind = match rng.below(3) {
+            0 => LightKind::Sphere { position, radius: 0.02 },
+            _ => LightKind::Point { position },
+        };
+        let plan = EffectPlan::resolve(&scene, &effects::Options::default());
+        let [auto, all] = auto_and_all(&scene, EffectSet::EMPTY, &Options::default());
+        assert!(same(&auto, &all), "scene {k}");
+        if plan.reach.dark[0] {
+            proven += 1;
+            let why = plan.reach.useless[0].as_ref().expect("told as well");
+            assert!(why.ends_with(&format!("is parted from the view by `{}`", scene.objects[wall].name)), "{why}");
+            let lit = |outcome: &Outcome| outcome.streams.of(Stage::Light) + outcome.streams.of(Stage::Lamp);
+            assert!(lit(&auto) == 0 && auto.streams.of(Stage::Shadow) == 0);
+        }
+    }
+    assert!(proven >= 30, "{proven} proofs to be tried");
 }
 
 #[test]
@@ -301,6 +456,34 @@ fn reasons_name_what_they_are_about() {
     scene.lights.push(lamp(Vec3::Y * -3.0));
     assert_eq!(why(&scene, Effect::HardShadows), is(false, "`lamp` is behind `floor`"));
     assert_eq!(why(&scene, Effect::Diffuse).1, "`lamp` is behind `floor`");
+}
+
+#[test]
+fn the_illumination_model_of_a_material_decides_what_is_simulated() {
+    let scene = small(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/illum.toml"));
+    let plan = EffectPlan::resolve(&scene, &effects::Options::default());
+    for (effect, model) in [
+        (Effect::Mirror, "illum3"),
+        (Effect::ThinPanes, "illum4"),
+        (Effect::Coats, "illum5"),
+        (Effect::Refraction, "illum6"),
+    ] {
+        let Decision { on, because, .. } = plan.of(effect);
+        assert!(*on && because.contains(&format!("`models/{model}`")), "{effect}: {because}");
+    }
+    let only = |kept: &str| {
+        let mut scene = scene.clone();
+        let others: Vec<usize> = (0..scene.objects.len()).filter(|&o| !scene.objects[o].name.ends_with(kept)).collect();
+        others.into_iter().rev().for_each(|o| {
+            scene.objects.remove(o);
+            scene.geometry.remove(o);
+        });
+        EffectPlan::resolve(&scene, &effects::Options::default()).on()
+    };
+    assert!(!only("illum2").has(Effect::FresnelSplit) && only("illum2").has(Effect::Highlight));
+    // 6 reflects a fixed share, 7 what Fresnel says.
+    assert!(only("illum6").has(Effect::Refraction) && !only("illum6").has(Effect::FresnelSplit));
+    assert!(only("illum7").has(Effect::Refraction) && only("illum7").has(Effect::FresnelSplit));
 }
 
 #[test]
@@ -381,7 +564,7 @@ fn explain_tells_every_effect_within_eighty_columns_and_as_json() {
         String::from_utf8(output.stdout).expect("text")
     };
     let text = run("explain scenes/absorption.toml --measure --rounds 1 --width 24 -q");
-    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    assert!(text.ends_with('\n') && text.lines().all(|line| line.chars().count() <= 80), "{text}");
     for effect in Effect::ALL {
         assert!(text.contains(effect.name()), "{effect}");
     }
@@ -393,6 +576,11 @@ fn explain_tells_every_effect_within_eighty_columns_and_as_json() {
     for row in rows {
         assert_eq!(row["on"].as_bool(), Some(row.get("worth").is_some()), "{row}");
     }
+    assert!(text.contains("shaded together: `slab 1`, `slab 2`"), "{text}");
+    let shared = json["shared"].as_array().expect("groups");
+    let objects: usize = shared.iter().map(|group| group["objects"].as_array().expect("names").len()).sum();
+    let scene = small(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/absorption.toml"));
+    assert_eq!(objects, scene.objects.len(), "{shared:?}");
     let (most, mean) = (json["rays"]["most_per_pixel"].as_f64(), json["rays"]["mean_per_pixel"].as_f64());
     assert!(mean.expect("measured") > 1.0 && mean < most, "{mean:?} {most:?}");
 }

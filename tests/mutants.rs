@@ -89,3 +89,32 @@ fn the_page_of_tests_has_a_row_for_every_change() {
         assert_eq!(rows, 1, "tests/README.md has {rows} rows for: {}", mutant.name);
     }
 }
+
+/// `benches/instructions --alone` makes a build that holds one pipeline by the same kind of list.
+#[test]
+fn the_changes_that_leave_one_pipeline_fit_exactly_one_place_each() {
+    let list = fs::read_to_string(root().join("benches/alone")).unwrap();
+    let (mut file, mut old) = (String::new(), Vec::new());
+    let mut wrong = Vec::new();
+    let mut count = 0;
+    for line in list.lines().chain(["change: the end"]) {
+        if line.starts_with("change: ") {
+            if !old.is_empty() {
+                let text = fs::read_to_string(root().join(&file)).unwrap_or_default();
+                if text.matches(&old.join("\n")).count() != 1 {
+                    wrong.push(format!("{file}: {}", old[0]));
+                }
+                count += 1;
+            }
+            old.clear();
+        } else if let Some(name) = line.strip_prefix("file: ") {
+            name.clone_into(&mut file);
+        } else if let Some(text) = line.strip_prefix('-') {
+            old.push(text);
+        } else {
+            assert!(line.is_empty() || line.starts_with(['+', '#']), "cannot read the line: {line}");
+        }
+    }
+    assert!(count >= 10, "{count}");
+    assert!(wrong.is_empty(), "the code has moved on; mend benches/alone:\n{}", wrong.join("\n"));
+}

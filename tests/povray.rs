@@ -14,7 +14,7 @@ use vitrum::accel::Unbounded;
 use vitrum::accel::native::Native;
 use vitrum::image::Film;
 use vitrum::load;
-use vitrum::optics::FresnelModel;
+use vitrum::optics::{Bands, FresnelModel};
 use vitrum::render::reference::{self, Prepared};
 use vitrum::render::{self, Observer, Options};
 use vitrum::scene::Scene;
@@ -37,7 +37,7 @@ fn folder() -> PathBuf {
 }
 
 fn povray(name: &str) -> Picture {
-    let file = File::open(folder().join(name).with_extension("png")).expect("the picture is committed");
+    let file = File::open(folder().join(format!("{name}.png"))).expect("the picture is committed");
     let mut reader = png::Decoder::new(BufReader::new(file)).read_info().expect("a PNG");
     let mut bytes = vec![0; reader.output_buffer_size().expect("a small picture")];
     let info = reader.next_frame(&mut bytes).expect("a whole PNG");
@@ -96,22 +96,42 @@ fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, pre
     );
 }
 
+/// What white light shows of pictures that were each made with the index of one wavelength: their sum, each times its
+/// wavelength's colour.
+fn in_white_light(name: &str) -> Picture {
+    let bands = Bands::new(8, 0.5);
+    let mut white: Option<Picture> = None;
+    for (k, weight) in bands.weight.iter().enumerate() {
+        let of_wave = povray(&format!("{name}/{}", k + 1));
+        assert!(of_wave.pixels.iter().flatten().all(|&v| v < 1.0), "{name}/{}: the picture is clipped", k + 1);
+        let sum = white.get_or_insert_with(|| Picture { pixels: vec![[0.0; 3]; of_wave.pixels.len()], ..of_wave });
+        for (sum, one) in sum.pixels.iter_mut().zip(&of_wave.pixels) {
+            (0..3).for_each(|c| sum[c] += one[c] * f64::from(weight[c]));
+        }
+    }
+    white.expect("eight wavelengths")
+}
+
 /// Renders `name` both ways and holds both pictures against POV-Ray's.
 fn agrees_with_povray(name: &str, fresnel: FresnelModel) {
-    let scene = load_scene(name);
     let expected = povray(name);
     assert!(expected.pixels.iter().flatten().all(|&v| v < 1.0), "{name}: the picture is clipped");
+    agrees_with(&expected, name, fresnel);
+}
+
+fn agrees_with(expected: &Picture, name: &str, fresnel: FresnelModel) {
+    let scene = load_scene(name);
     let options = Options { fresnel, ..Options::default() };
     let observer = Observer::default();
     let prepared = Prepared::new(&scene, fresnel);
 
     let film = reference::render(&scene, &options, &observer).expect("renders").film;
-    hold_against("reference", name, &film, &expected, &prepared);
+    hold_against("reference", name, &film, expected, &prepared);
 
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
     let outcome = render::render(&scene, &accel, &options, &observer).expect("renders");
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{name}");
-    hold_against("native", name, &outcome.film, &expected, &prepared);
+    hold_against("native", name, &outcome.film, expected, &prepared);
 }
 
 macro_rules! scenes {
@@ -126,11 +146,19 @@ macro_rules! scenes {
                 let ours = files.filter(|f| f.extension().is_some_and(|e| e == extension));
                 ours.map(|f| f.file_stem().expect("a name").to_string_lossy().into_owned()).collect()
             };
-            for extension in ["png", "pov", "toml"] {
-                assert_eq!(stems(extension), compared, "{extension}");
+            assert_eq!(stems("png"), compared);
+            let with_spectrum = &compared | &BTreeSet::from([String::from("spectrum")]);
+            for extension in ["pov", "toml"] {
+                assert_eq!(stems(extension), with_spectrum, "{extension}");
             }
         }
     };
+}
+
+/// Dispersion, by eight pictures of POV-Ray's that know nothing of it.
+#[test]
+fn a_stone_and_a_ball_that_divide_white_light() {
+    agrees_with(&in_white_light("spectrum"), "spectrum", FresnelModel::Exact);
 }
 
 scenes! {

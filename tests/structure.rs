@@ -11,7 +11,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("optics", &["simd", "math"]),
     ("accel", &["geometry", "simd", "math"]),
     ("scene", &["geometry", "math"]),
-    ("effects", &["scene", "geometry"]),
+    ("effects", &["scene", "optics", "geometry"]),
     ("image", &[]),
     ("load", &["scene", "geometry", "image", "optics", "math"]),
     ("render", &["effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),

@@ -8,7 +8,7 @@ use super::table::grouped;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::{Unbounded, native::Native};
-use crate::effects::{Effect, EffectPlan};
+use crate::effects::{self, Effect, EffectPlan};
 use crate::image::Film;
 use crate::load::{self, LoadOptions};
 use crate::render::{self, Observer, Options, Outcome};
@@ -29,7 +29,8 @@ pub(super) fn run(job: &Explain) -> Result<Verdict> {
         None => None,
         Some(rounds) => Some(Measured::of(&scene, &plan, job, rounds, &observer)?),
     };
-    let explained = Explained::new(&scene, &plan, measured.as_ref(), job.scene.display().to_string());
+    let shaded = effects::without(&scene, job.options.effects.without);
+    let explained = Explained::new(&shaded, &plan, measured.as_ref(), job.scene.display().to_string());
     if job.json {
         output::print_json(&explained)?;
     } else {
@@ -66,7 +67,7 @@ impl Measured {
         let whole = job.options.effects;
         let on: Vec<Effect> = plan.on().iter().collect();
         let choices: Vec<Options> = std::iter::once(whole)
-            .chain(on.iter().map(|&e| crate::effects::Options { without: whole.without.with(e), ..whole }))
+            .chain(on.iter().map(|&e| effects::Options { without: whole.without.with(e), ..whole }))
             .map(|effects| Options { effects, ..job.options.clone() })
             .collect();
         let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
@@ -123,6 +124,8 @@ struct Explained {
     hidden: Vec<[String; 2]>,
     /// Lights that light nothing that is seen, and why.
     useless_lights: Vec<String>,
+    /// Objects that are shaded together.
+    shared: Vec<Shared>,
     rays: Budget,
 }
 
@@ -134,6 +137,14 @@ struct Row {
     left_out: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     worth: Option<Worth>,
+}
+
+#[derive(serde::Serialize)]
+struct Shared {
+    surface: &'static str,
+    /// Whether they have a colour of their own.
+    base: bool,
+    objects: Vec<String>,
 }
 
 #[derive(serde::Serialize)]
@@ -151,7 +162,7 @@ struct Budget {
 impl Explained {
     fn new(scene: &Scene, plan: &EffectPlan, measured: Option<&Measured>, name: String) -> Self {
         let worth = |effect| measured.and_then(|m| m.effects.iter().find(|(e, _)| *e == effect)).map(|(_, w)| *w);
-        let row = |d: &crate::effects::Decision| Row {
+        let row = |d: &effects::Decision| Row {
             effect: d.effect.name(),
             on: d.on,
             because: d.because.clone(),
@@ -167,6 +178,14 @@ impl Explained {
             stack: plan.stack.clone(),
             hidden: hidden.filter_map(|(o, wall)| Some([object(o), object((*wall)?)])).collect(),
             useless_lights: plan.reach.useless.iter().flatten().cloned().collect(),
+            shared: render::shared_shading(scene, &plan.reach)
+                .into_iter()
+                .map(|s| Shared {
+                    surface: s.surface,
+                    base: s.base,
+                    objects: s.objects.into_iter().map(object).collect(),
+                })
+                .collect(),
             rays: Budget {
                 depth: plan.rays.depth,
                 depth_because: plan.rays.because.clone(),
@@ -190,6 +209,9 @@ impl Explained {
         {
             wrap("proven: ", &fact, &mut lines);
         }
+        for shared in &self.shared {
+            wrap("shaded together: ", &shared.text(), &mut lines);
+        }
         wrap("medium stack: ", &self.stack, &mut lines);
         let rays = &self.rays;
         let most =
@@ -211,7 +233,21 @@ impl Explained {
                 lines.push(format!("{:<widest$}  {time:>6.3}  {spread:>13}  {rmse:>9.2e}  {pixels:>9}", row.effect));
             }
         }
-        lines.join("\n")
+        lines.join("\n") + "\n"
+    }
+}
+
+impl Shared {
+    /// The first few of them by name.
+    fn text(&self) -> String {
+        const NAMED: usize = 4;
+        let own = if self.base && self.surface != "opaque" { ", with colours of their own" } else { "" };
+        let names: Vec<String> = self.objects.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+        let more = match self.objects.len() - names.len() {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        format!("{}{more} ({}{own})", names.join(", "), self.surface)
     }
 }
 

@@ -7,8 +7,16 @@
 //!
 //! What a closed surface hides is hidden in `f32` as well: everything else keeps a margin from it that is a thousand
 //! times what rounding moves a point by, in a scene that holds no plane and so ends somewhere. The render leaves that
-//! out of its stages. On a plane, rays start as far away as one likes, where rounding outgrows any margin; what it hides
-//! is told and no more.
+//! out of its stages.
+//!
+//! On a plane, rays start as far away as one likes, where rounding outgrows any margin. Yet of what one plane hides, in a
+//! scene that holds no other, rays to lights alone can come near, because all else lies within a ball around the origin
+//! of √3 times the largest coordinate `s`. A ray that starts on the plane within `10 s` of the origin is as well placed
+//! as the others, but for a factor of ten of the thousand. One that starts farther off was reflected there. It came from
+//! the ball, or from the plane nearer to the origin, so that it went outwards, and reflection by an angle that is as
+//! small as that sends it outwards again (by a cosine of at least 0.5, where it came from the ball): it only gets farther
+//! from the ball. A ray to a light may come back from there. So the stages of surfaces and media leave out what a plane
+//! hides, and those of shadow rays do not.
 
 use glam::Vec3;
 
@@ -26,8 +34,12 @@ pub struct Reach {
     pub hidden: Vec<Option<usize>>,
     /// By object: whether no ray meets it in `f32` either, whatever rounding does.
     pub sealed: Vec<bool>,
+    /// By object: whether no ray but those to lights does.
+    pub unmet: Vec<bool>,
     /// By light: why it can light nothing that is seen; none where it may.
     pub useless: Vec<Option<String>>,
+    /// By light: whether its rays are all stopped in `f32`, too.
+    pub dark: Vec<bool>,
 }
 
 impl Reach {
@@ -35,7 +47,13 @@ impl Reach {
     #[must_use]
     pub fn everything(scene: &Scene) -> Self {
         let (objects, lights) = (scene.objects.len(), scene.lights.len());
-        Self { hidden: vec![None; objects], sealed: vec![false; objects], useless: vec![None; lights] }
+        Self {
+            hidden: vec![None; objects],
+            sealed: vec![false; objects],
+            unmet: vec![false; objects],
+            useless: vec![None; lights],
+            dark: vec![false; lights],
+        }
     }
 
     /// What can be proven of a scene.
@@ -52,15 +70,19 @@ impl Reach {
         }
         let Some(scale) = scale(scene) else { return reach };
         let views = starts(scene);
+        let boxes: Vec<Option<Aabb>> = scene.geometry.iter().map(|geometry| bounds_of(&geometry.shape)).collect();
         let planes: Vec<usize> =
             (0..scene.objects.len()).filter(|&o| matches!(scene.geometry[o].shape, Shape::Plane(_))).collect();
         for wall in 0..scene.objects.len() {
             // Rays that start on another plane come from anywhere.
             let alone = planes.iter().all(|&p| p == wall);
-            let walls_off = alone && reach.hidden[wall].is_none() && is_opaque(scene, wall);
+            let walls_off = alone
+                && reach.hidden[wall].is_none()
+                && is_opaque(scene, wall)
+                && may_hold_anything(scene, wall, &boxes);
             let shell = walls_off.then(|| Shell::of(&scene.geometry[wall].shape)).flatten();
             if let Some(shell) = shell {
-                reach.look_behind(scene, wall, &shell, &views, scale);
+                reach.look_behind(scene, wall, &shell, &views, &boxes, scale);
             }
         }
         reach
@@ -72,7 +94,15 @@ impl Reach {
         self.hidden[object].is_none()
     }
 
-    fn look_behind(&mut self, scene: &Scene, wall: usize, shell: &Shell, views: &[Vec3], scale: f64) {
+    fn look_behind(
+        &mut self,
+        scene: &Scene,
+        wall: usize,
+        shell: &Shell,
+        views: &[Vec3],
+        boxes: &[Option<Aabb>],
+        scale: f64,
+    ) {
         let mut sides = views.iter().map(|&p| shell.side_of_point(p, scale));
         let Some(seen) = sides.next().filter(|&s| s != Side::Across) else { return };
         if seen == Side::Inside && matches!(shell, Shell::Mesh(_)) {
@@ -82,11 +112,11 @@ impl Reach {
             return;
         }
         let mut behind = Vec::new();
-        for (object, geometry) in scene.geometry.iter().enumerate() {
+        for (object, bounds) in boxes.iter().enumerate() {
             if object == wall {
                 continue;
             }
-            match side_of_shape(shell, &geometry.shape, scale) {
+            match bounds.as_ref().map_or(Side::Across, |bounds| shell.side_of_box(bounds, scale)) {
                 Side::Across => return,
                 side if side != seen => behind.push(object),
                 _ => {}
@@ -95,23 +125,40 @@ impl Reach {
         for object in behind {
             self.hidden[object].get_or_insert(wall);
             self.sealed[object] |= !shell.is_plane();
+            self.unmet[object] = true;
         }
-        for (light, useless) in scene.lights.iter().zip(&mut self.useless) {
+        for (light, (useless, dark)) in scene.lights.iter().zip(self.useless.iter_mut().zip(&mut self.dark)) {
+            let place = extent_of(&light.kind);
             let beyond = match light.kind {
-                LightKind::Point { position } | LightKind::Spot { position, .. } => {
-                    let side = shell.side_of_point(position, scale);
-                    side != Side::Across && side != seen
-                }
                 LightKind::Directional { direction } => comes_from_beyond(shell, direction, seen),
-                // Part of it may reach past the shell.
-                LightKind::Sphere { .. } | LightKind::Rectangle { .. } => false,
+                _ => place.is_some_and(|place| {
+                    let side = shell.side_of_box(&place, scale);
+                    side != Side::Across && side != seen
+                }),
             };
-            if beyond && light.shadows && useless.is_none() {
+            if beyond && light.shadows {
                 let what = if shell.is_plane() { "is behind" } else { "is parted from the view by" };
-                *useless = Some(format!("`{}` {what} `{}`", light.name, scene.objects[wall].name));
+                useless.get_or_insert_with(|| format!("`{}` {what} `{}`", light.name, scene.objects[wall].name));
+                // From a closed surface that is seen from outside, a light within it is below the horizon by the margin
+                // at least, and from anywhere else the surface is in between.
+                *dark |= !shell.is_plane() && seen == Side::Outside;
             }
         }
     }
+}
+
+/// A box around a light; none around one that is infinitely far.
+fn extent_of(kind: &LightKind) -> Option<Aabb> {
+    let (lo, hi) = match *kind {
+        LightKind::Point { position } | LightKind::Spot { position, .. } => (position, position),
+        LightKind::Sphere { position, radius } => (position - radius, position + radius),
+        LightKind::Rectangle { corner, edges: [u, v], .. } => {
+            let corners = [corner + u, corner + v, corner + u + v];
+            corners.into_iter().fold((corner, corner), |(lo, hi), p| (lo.min(p), hi.max(p)))
+        }
+        LightKind::Directional { .. } => return None,
+    };
+    Some(Aabb { lo, hi })
 }
 
 /// Whether a light from infinitely far in this direction of travel has the shell between it and all that is seen.
@@ -127,12 +174,28 @@ fn comes_from_beyond(shell: &Shell, direction: Vec3, seen: Side) -> bool {
     }
 }
 
-fn side_of_shape(shell: &Shell, shape: &Shape, scale: f64) -> Side {
+/// Whether camera rays all start outside a closed shell.
+pub(super) fn is_seen_from_outside(scene: &Scene, shell: &Shell) -> bool {
+    let Some(scale) = scale(scene) else { return false };
+    starts(scene).iter().all(|&p| shell.side_of_point(p, scale) == Side::Outside)
+}
+
+/// None for a plane, which is on both sides of everything.
+fn bounds_of(shape: &Shape) -> Option<Aabb> {
     match shape {
-        Shape::Mesh(mesh) => shell.side_of_box(&Aabb::of(&mesh.positions), scale),
-        Shape::Sphere(sphere) => shell.side_of_box(&sphere.bounds(), scale),
-        Shape::Plane(_) => Side::Across,
+        Shape::Mesh(mesh) => Some(Aabb::of(&mesh.positions)),
+        Shape::Sphere(sphere) => Some(sphere.bounds()),
+        Shape::Plane(_) => None,
     }
+}
+
+/// Whether a wall is worth looking at: a mesh, which hides only what is within it, where anything is in the box around
+/// it. To see whether it is closed and convex takes far longer.
+fn may_hold_anything(scene: &Scene, wall: usize, boxes: &[Option<Aabb>]) -> bool {
+    let (Shape::Mesh(_), Some(around)) = (&scene.geometry[wall].shape, &boxes[wall]) else { return true };
+    let within = |inner: &Aabb| inner.lo.cmpge(around.lo).all() && inner.hi.cmple(around.hi).all();
+    let holds_object = boxes.iter().enumerate().any(|(o, b)| o != wall && b.as_ref().is_some_and(within));
+    holds_object || scene.lights.iter().filter_map(|light| extent_of(&light.kind)).any(|lamp| within(&lamp))
 }
 
 /// The largest coordinate of anything bounded; none where some are not finite.

@@ -255,7 +255,7 @@ impl<'a> Facts<'a> {
             Some((o, (m, other))) => {
                 let [m, other] = [m, other].map(|m| &scene.media[m as usize]);
                 let name = &scene.objects[o].name;
-                (true, format!("`{name}` has index {} against `{}` {}", m.ior, other.name, other.ior))
+                (true, format!("`{name}` has index {} against `{}` {}", m.ior as f32, other.name, other.ior as f32))
             }
             None if any => off("every transparent solid has the index of what surrounds it"),
             None => (false, why),

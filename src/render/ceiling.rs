@@ -58,18 +58,26 @@ impl Ceiling {
     /// [`Ceiling::tolls`] where options ask for a proven cut-off, and whether what they ask for can be had.
     ///
     /// # Errors
-    /// As [`Ceiling::of`], and where media disperse light: the colours of wavelengths have channels below 0, which no
-    /// bound here counts with, and carry no polarisation.
+    /// As [`Ceiling::of`], and where media disperse light. Wavelengths have channels below 0, so that those a white ray
+    /// divides into, and what of it is reflected, together weigh more than it does, by a factor at each surface: no bound
+    /// that is worth having is left after a few. And what is reflected stays one white ray, of which each wavelength has
+    /// a polarisation of its own.
     pub fn asked(scene: &Scene, options: &Options) -> Result<Option<Self>> {
-        let flag = match options {
-            Options { cutoff_error: Some(_), .. } => "--cutoff-error",
-            Options { fresnel: FresnelModel::Polarised, .. } => "--fresnel polarised",
+        let (flag, reason) = match options {
+            Options { cutoff_error: Some(_), .. } => (
+                "--cutoff-error",
+                "wavelengths weigh less than nothing in some channels, and together more than the ray they come from",
+            ),
+            Options { fresnel: FresnelModel::Polarised, .. } => (
+                "--fresnel polarised",
+                "what a surface reflects stays one white ray, though each wavelength is polarised otherwise",
+            ),
             _ => return Ok(None),
         };
         if let Some(medium) = scene.media.iter().find(|m| m.disperses()) {
             return Err(Error::Usage(format!(
-                "{flag} is not for scenes whose media disperse light, as `{}` does; give it one index, or leave the \
-                 option out",
+                "{flag} is not for scenes whose media disperse light, as `{}` does: {reason}; take --no-dispersion \
+                 besides, or leave the option out",
                 medium.name
             )));
         }

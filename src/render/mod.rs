@@ -38,6 +38,7 @@ mod tile;
 mod worker;
 
 pub use ceiling::Ceiling;
+pub use class::{SharedShading, shared_shading};
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
 pub use pattern::FilmRay;

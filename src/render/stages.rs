@@ -18,7 +18,7 @@ use super::through::{self, FinishStage, PassStage};
 use crate::effects::{Pipeline, Reach};
 use crate::geometry::GeometryMask;
 use crate::optics::{FresnelModel, RefractionModel};
-use crate::scene::{Colour, Interface, Material, Rgb, Scene, ShadowRule};
+use crate::scene::{Colour, Interface, Light, Material, Rgb, Scene, ShadowRule};
 
 /// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
 /// surfaces stay in the first-level cache.
@@ -74,15 +74,19 @@ impl Stages {
     /// everything. `eye_media` are the media around the eye.
     #[must_use]
     pub fn of(scene: &Scene, reach: &Reach, eye_media: &[u32], options: &Options) -> Self {
-        let call = Call { scene, reach, options, all: options.effects.pipeline == Pipeline::All };
-        let media = eye_media.iter().copied().chain(std::iter::once(0)).chain(call.media());
-        let absorbing = call.all || media.into_iter().any(|m| scene.media[m as usize].absorption != Rgb::ZERO);
+        let all = options.effects.pipeline == Pipeline::All;
+        let call = Call { scene, reach, options, all, missed: &reach.unmet };
+        let shadows = Call { missed: &reach.sealed, ..call };
+        let absorbs = |m: u32| scene.media[m as usize].absorption != Rgb::ZERO;
+        let around = all || absorbs(0) || eye_media.iter().any(|&m| absorbs(m));
+        let absorbing = around || call.media().any(absorbs);
+        let absorbing_shadows = around || shadows.media().any(absorbs);
         let transmissive = |o: usize| scene.geometry[o].mask.meets(GeometryMask::TRANSMISSIVE);
-        let through = call.all || absorbing || call.objects().any(transmissive);
+        let through = all || absorbing_shadows || shadows.objects().any(transmissive);
         let march = (through && scene.settings.shadows == ShadowRule::Straight).then(|| March {
-            gather: surface::pick(call.shapes(transmissive)),
-            pass: through::pick(options.fresnel, absorbing),
-            finish: absorbing.then_some(through::finish as FinishStage),
+            gather: surface::pick(shadows.shapes(transmissive)),
+            pass: through::pick(options.fresnel, absorbing_shadows),
+            finish: absorbing_shadows.then_some(through::finish as FinishStage),
         });
         Self {
             refraction: options.bending(),
@@ -103,12 +107,14 @@ struct Call<'a> {
     reach: &'a Reach,
     options: &'a Options,
     all: bool,
+    /// By object: whether no ray of the kind that is looked at meets it.
+    missed: &'a [bool],
 }
 
 impl<'a> Call<'a> {
     /// Objects that rays can meet.
     fn objects(self) -> impl Iterator<Item = usize> {
-        (0..self.scene.objects.len()).filter(move |&o| self.all || !self.reach.sealed[o])
+        (0..self.scene.objects.len()).filter(move |&o| self.all || !self.missed[o])
     }
 
     fn material(self, object: usize) -> &'a Material {
@@ -146,8 +152,9 @@ impl<'a> Call<'a> {
             let shiny = any(&|m| m.highlight.is_some());
             let glowing = any(&|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
             if any(&base::answers_light) {
-                // A light without intensity adds nothing.
-                let shining = || scene.lights.iter().enumerate().filter(|(_, l)| all || l.intensity != Rgb::ZERO);
+                // A light without intensity adds nothing, and one that is walled in no more.
+                let adds = |i: usize, l: &Light| l.intensity != Rgb::ZERO && !self.reach.dark[i];
+                let shining = || scene.lights.iter().enumerate().filter(|&(i, l)| all || adds(i, l));
                 lights = shining().filter_map(|(i, l)| Some((i, light::pick(l, shiny, all || l.shadows)?))).collect();
                 let sampling = &scene.settings.lamps;
                 lamps = shining().filter_map(|(i, l)| Some((i, soft::pick(l, shiny, sampling)?))).collect();

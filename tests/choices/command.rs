@@ -110,5 +110,8 @@ fn what_needs_undispersed_light_is_to_be_had_with_every_stage_and_where_dispersi
         assert!(picture(SCENE, &["--effects", "all"]) == plain, "{choice:?}");
         let dispersing = SCENE.replace("ior = 1.5", "ior = 1.5\nabbe = 50");
         assert!(picture(&dispersing, &["--no-dispersion"]) == plain, "{choice:?}");
+        let (_, refused) = render(&dispersing, &[&choice[..], &["--quiet"]].concat());
+        let one_line = predicate::function(|text: &str| text.trim_end().lines().count() == 1);
+        refused.code(2).stderr(contains(choice[0]).and(contains("--no-dispersion")).and(one_line));
     }
 }
