@@ -10,7 +10,7 @@ use glam::Vec3;
 use support::scenes::{add, bare, cuboid, cuboid_mesh, empty, glass, material, native, plane, sphere};
 use support::{Rng, random};
 use vitrum::effects::{self, Decision, Effect, EffectPlan, EffectSet, Pipeline};
-use vitrum::geometry::Shape;
+use vitrum::geometry::{Shape, Sphere};
 use vitrum::load;
 use vitrum::render::{Observer, Options, Outcome, Stage, reference};
 use vitrum::scene::{
@@ -412,6 +412,17 @@ fn nothing_is_proven_by_shells_with_holes_open_ones_touched_ones_or_ones_that_le
     };
     assert!(!sealed(&|s| mesh(s, &|m| m.triangles.truncate(11))), "a hole");
     assert!(!sealed(&|s| mesh(s, &|m| m.triangles[3].swap(0, 1))), "a triangle turned over");
+    // As deep that the corner lies behind the plane through its neighbours; the pane, made small, is still well inside.
+    let dent = |s: &mut Scene| {
+        mesh(s, &|m| m.positions[7] = Vec3::splat(0.2));
+        s.geometry[1].shape = Shape::Sphere(Sphere { centre: Vec3::ZERO, radius: 0.1 });
+    };
+    assert!(!sealed(&dent), "a corner pushed in");
+    let beyond = |s: &mut Scene| {
+        s.camera.eye = Vec3::new(0.1, 0.2, 0.3);
+        s.geometry[1].shape = Shape::Sphere(Sphere { centre: Vec3::Z * -4.0, radius: 0.5 });
+    };
+    assert!(!sealed(&beyond), "walls seen from within, whose creases rounding may put a ray beyond");
     assert!(!sealed(&|s| s.materials[0].interface = Interface::Alpha { opacity: 0.99 }), "a cover with holes");
     assert!(!sealed(&|s| s.camera.eye = Vec3::new(0.8, 0.8, 0.8)), "the eye inside");
     assert!(!sealed(&|s| s.camera.eye = Vec3::new(0.0, 0.0, 1.0)), "the eye on the wall");
@@ -456,6 +467,26 @@ fn reasons_name_what_they_are_about() {
     scene.lights.push(lamp(Vec3::Y * -3.0));
     assert_eq!(why(&scene, Effect::HardShadows), is(false, "`lamp` is behind `floor`"));
     assert_eq!(why(&scene, Effect::Diffuse).1, "`lamp` is behind `floor`");
+    // Nothing is in the way of a light that casts no shadows.
+    scene.lights[0].shadows = false;
+    assert!(why(&scene, Effect::Diffuse).0, "{}", why(&scene, Effect::Diffuse).1);
+}
+
+/// No object is of it: that the eye is in it is all there is to know it by.
+#[test]
+fn the_medium_around_the_eye_weakens_what_is_seen_through_it() {
+    let mut scene = empty(0.0);
+    glass(&mut scene, 1.0, 0, Rgb::new(0.5, 0.25, 0.0));
+    scene.camera.medium = Some(1);
+    let wall = material(&mut scene, Material { emission: Rgb::ONE, ..Material::black("wall") });
+    plane(&mut scene, Vec3::Z, Vec3::Z, wall);
+    (scene.settings.width, scene.settings.height) = (1, 1);
+    (scene.camera.eye, scene.camera.target) = (Vec3::Z * 5.0, Vec3::ZERO);
+    let [auto, all] = auto_and_all(&scene, EffectSet::EMPTY, &Options::default());
+    assert!(same(&auto, &all));
+    for (seen, absorption) in auto.film.pixels[0].into_iter().zip([0.5_f32, 0.25, 0.0]) {
+        assert!((seen - (-4.0 * absorption).exp()).abs() < 1e-6, "{seen} through {absorption}");
+    }
 }
 
 #[test]

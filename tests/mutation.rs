@@ -110,7 +110,13 @@ fn attack(kind: Kind, seeds: &[Vec<u8>], count: usize) {
         MOST.set(before);
         let start = Instant::now();
         let loaded = catch_unwind(AssertUnwindSafe(|| entry::load(kind, &bytes)));
-        let (took, most) = (start.elapsed(), MOST.get() - before);
+        let (mut took, most) = (start.elapsed(), MOST.get() - before);
+        if loaded.is_ok() && took > ENDLESS {
+            // Or the machine was asleep: then it ends in good time when asked again.
+            let again = Instant::now();
+            entry::load(kind, &bytes);
+            took = again.elapsed();
+        }
         if loaded.is_err() || took > ENDLESS || most > MOST_HELD {
             let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("found-{kind:?}"));
             fs::write(&kept, &bytes).unwrap();

@@ -175,6 +175,28 @@ fn a_straight_edge_is_never_missed() {
     }
 }
 
+/// A lamp that all first rays see through glass is not one that they see: the glass weakens each ray in its own way.
+#[test]
+fn what_glass_weakens_is_never_left_out_by_probing() {
+    for kind in [ball(), sheet(Spread::Cosine)] {
+        let scene = |probe| {
+            let lights = vec![lamp(kind, Falloff::InverseSquare)];
+            let mut scene = still_life(lights, LampSampling { probe, ..full(16, Pattern::Sobol) });
+            let glass = glass(&mut scene, 1.5, 0, Rgb::new(0.8, 0.2, 0.4));
+            // A sheet over everything but the eye's view of it.
+            cuboid(&mut scene, Vec3::new(-9.0, 1.8, -9.0), Vec3::new(9.0, 1.9, 9.0), glass);
+            (scene.camera.eye, scene.camera.target) = (Vec3::new(0.4, 1.2, 4.0), Vec3::new(0.0, 0.3, 0.0));
+            scene
+        };
+        let [all, few] = [false, true].map(|probe| native(&scene(probe), &Options::default()));
+        assert!(few.rays.of(RayKind::Shadow) > 1000);
+        let visible = differ(&all.film, &few.film, 0.02);
+        assert!(visible.len() * 200 < all.film.pixels.len(), "{visible:?}");
+        let sum = |film: &Film| film.pixels.iter().flatten().map(|&v| f64::from(v)).sum::<f64>();
+        assert!((sum(&few.film) / sum(&all.film) - 1.0).abs() < 1e-3, "{} {}", sum(&few.film), sum(&all.film));
+    }
+}
+
 #[test]
 fn threads_and_tiles_make_no_difference_to_a_bit() {
     let lights = vec![lamp(ball(), Falloff::InverseSquare), lamp(sheet(Spread::Even), Falloff::InverseSquare)];

@@ -59,7 +59,7 @@ impl FresnelFormula for Exact {
     /// `R = r_s^2 (1 + q^2) / 2` with `r_s = kc / (cos_i + b)^2` and `q = r_p / r_s = (c b - s^2) / (c b + s^2)`:
     /// the same numbers as `((n1 c_i - n2 c_t) / (n1 c_i + n2 c_t))^2` and its twin, halved, without their
     /// cancellation at index ratios near 1. Within 1.2e-6 of itself at every angle and index ratio where products are
-    /// fused; elsewhere near the critical angle only within 6e-4. Between equal indices exactly 0.
+    /// fused; elsewhere, next to the critical angle, only within 1.3e-3. Between equal indices exactly 0.
     #[inline(always)]
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R {
         let one = R::one();

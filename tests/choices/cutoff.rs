@@ -114,6 +114,27 @@ fn no_radiance_of_any_picture_is_above_its_ceiling_and_that_of_a_bare_scene_is_k
     let most = Ceiling::of(&scene).unwrap().at(0).x;
     let by_hand = 4.0 / std::f64::consts::PI;
     assert!(most >= by_hand && most < by_hand * 1.0001, "{most}");
+    // However far the lamp, where distance does not weaken it.
+    scene.lights[0].falloff = Falloff::None;
+    let most = Ceiling::of(&scene).unwrap().at(0).x;
+    assert!((4.0..4.001).contains(&most), "{most}");
+}
+
+/// All that a camera ray meets is a mirror, and all that this shows is a room of radiance 1.
+#[test]
+fn a_ray_goes_on_that_is_worth_a_little_more_than_the_error_and_ends_where_it_is_worth_less() {
+    let error = 1.0 / 64.0;
+    for (share, seen) in [(1.05, true), (0.95, false)] {
+        let mut scene = empty(1.0);
+        let reflectance = Rgb::splat(share * error);
+        let mirror = bare(Interface::Mirror { reflectance, source: MirrorSource::Traced });
+        let mirror = material(&mut scene, mirror);
+        sphere(&mut scene, Vec3::ZERO, 4.0, mirror);
+        for (name, outcome) in outcomes(&scene, &within(error)) {
+            let got = outcome.film.at(16, 16)[0];
+            assert!((got - if seen { share * error } else { 0.0 }).abs() < 1e-6, "{name}: {share} gives {got}");
+        }
+    }
 }
 
 fn lamp(position: Vec3) -> Light {

@@ -1,7 +1,7 @@
 //! The Fresnel equations by answers known beforehand and by their laws.
 
 use crate::sample::Rng;
-use vitrum::math::Real;
+use vitrum::math::{FUSED, Real};
 use vitrum::optics::{AtNormal, Boundary, Crossing, Exact, FresnelFormula, Schlick, polarised, thin_reflectance};
 
 fn exact<R: Real>(n1: f64, n2: f64, c: R) -> R {
@@ -110,6 +110,7 @@ fn reflectance_is_the_same_from_both_sides() {
     let mut worst = 0.0_f64;
     for (n1, n2) in [(1.0, 1.5), (1.0, 1.33), (1.0, 2.42), (1.33, 1.5), (1.0, 1.0003)] {
         let there = Boundary::<f32>::new(n1, n2);
+        let critical = (1.0 - (n1 / n2) * (n1 / n2)).sqrt();
         for k in 100..=10_000 {
             let at = there.cross(k as f32 / 10_000.0);
             // Near the critical angle of the way back the reflectance changes faster than an f32 cosine can say.
@@ -122,7 +123,10 @@ fn reflectance_is_the_same_from_both_sides() {
             let slope =
                 (f64::from(exact(n2, n1, at.cos_t.next_up())) - f64::from(exact(n2, n1, at.cos_t.next_down()))).abs();
             let off = (r - back).abs() / r;
-            assert!(off <= 2e-6 + slope / r, "{n1}, {n2} at {}: {r} and {back}", at.cos_i);
+            // And so does rounding the square of it, where products are not fused.
+            let past_critical = (f64::from(at.cos_t) - critical).max(1e-7);
+            let unfused = if FUSED { 0.0 } else { 4e-7 / past_critical.sqrt() };
+            assert!(off <= 2e-6 + slope / r + unfused, "{n1}, {n2} at {}: {r} and {back}", at.cos_i);
             if at.cos_i > 0.6 && n2 / n1 > 1.3 {
                 worst = worst.max(off);
             }

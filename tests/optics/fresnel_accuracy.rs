@@ -118,10 +118,14 @@ fn refraction_and_fresnel_share_their_cosine_with_the_oracle() {
             let c = cosine(&mut rng, k, critical);
             let at = boundary.cross(c);
             let want = crate::oracle::cos2_t(crate::oracle::d(c), n1, n2);
-            if !at.total {
+            // Next to the critical angle, products that are not fused may take a total crossing for another.
+            if !at.total && (FUSED || want > 0.0) {
                 let want = crate::oracle::narrow(want.sqrt());
                 let off = (f64::from(at.cos_t) - want).abs() / want;
-                assert!(off <= if FUSED { 4e-7 } else { bound(f64::from(c) - critical) });
+                // Where products are not fused, `cos_i^2` is rounded before the far smaller `b^2` is taken from it.
+                let b = want * n2 / n1;
+                let rounded = if FUSED { 0.0 } else { 2.0_f64.powi(-24) * f64::from(c * c) / (b * b) };
+                assert!(off <= 4e-7 + rounded, "{n1} -> {n2} at {c}: {off:e}");
                 worst = worst.max(off);
             }
         }
