@@ -241,13 +241,17 @@ impl Shared {
     /// The first few of them by name.
     fn text(&self) -> String {
         const NAMED: usize = 4;
-        let own = if self.base && self.surface != "opaque" { ", with colours of their own" } else { "" };
+        let kind = match (self.surface, self.base) {
+            ("opaque", false) => String::from("black"),
+            ("opaque", true) | (_, false) => self.surface.to_owned(),
+            (_, true) => format!("{}, with colours of their own", self.surface),
+        };
         let names: Vec<String> = self.objects.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
         let more = match self.objects.len() - names.len() {
             0 => String::new(),
             n => format!(" and {n} more"),
         };
-        format!("{}{more} ({}{own})", names.join(", "), self.surface)
+        format!("{}{more} ({kind})", names.join(", "))
     }
 }
 
