@@ -115,7 +115,7 @@ impl<'a> Pixel<'a> {
             let there = self.mean(|dir| {
                 let (right, up) = dir.any_orthonormal_pair();
                 let step = (right * cos + up * sin) * (ulps * f64::from(f32::EPSILON));
-                if k % 2 == 0 { [DVec3::ZERO, step] } else { [step * reach, DVec3::ZERO] }
+                if k.is_multiple_of(2) { [DVec3::ZERO, step] } else { [step * reach, DVec3::ZERO] }
             });
             there.iter().zip(self.here).any(|(a, b)| (a - b).abs() > self.condition.tolerance)
         };

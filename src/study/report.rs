@@ -192,13 +192,14 @@ fn walked(row: &Row) -> String {
     let Some(walk) = row.walk else { return String::new() };
     let [low, high] = walk.interval;
     let plain = row.levels.plain_walk().is_some_and(|plain| plain == row.levels);
-    let time = match () {
-        () if plain => String::from("the walk that the others of its kind are compared with"),
-        () if walk.runs < 3 => format!("{:.2} times watertight's in the same walk, in a single run", walk.median),
-        () if walk.may_be(1.0) => {
-            format!("no measurable difference to watertight in the same walk ({low:.3} to {high:.3})")
-        }
-        () => format!("{:.3} times watertight's in the same walk ({low:.3} to {high:.3})", walk.median),
+    let time = if plain {
+        String::from("the walk that the others of its kind are compared with")
+    } else if walk.runs < 3 {
+        format!("{:.2} times watertight's in the same walk, in too few runs to tell", walk.median)
+    } else if walk.may_be(1.0) {
+        format!("no measurable difference to watertight in the same walk ({low:.3} to {high:.3})")
+    } else {
+        format!("{:.3} times watertight's in the same walk ({low:.3} to {high:.3})", walk.median)
     };
     let settled = row.settled.filter(|share| *share > 0.0);
     let settled = settled.map_or_else(String::new, |s| format!("; {s:.1e} of its triangle tests fell to f64"));

@@ -49,18 +49,18 @@ fn still_life() -> Scene {
     scene
 }
 
-fn picture(scene: &Scene, test: TriangleModel, reciprocal: ReciprocalModel) -> Vec<[f32; 3]> {
-    let accel = Unbounded::new(Walk::build(&scene.geometry, BuildQuality::Default, test, reciprocal), &scene.geometry);
+fn picture(scene: &Scene, test: TriangleModel) -> Vec<[f32; 3]> {
+    let accel = Unbounded::new(walk(&scene.geometry, test), &scene.geometry);
     let outcome = render(scene, &accel, &Options::default(), &Observer::default()).expect("nobody interrupts a test");
-    assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{test:?} {reciprocal:?}");
+    assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{test:?}");
     outcome.film.pixels
 }
 
 #[test]
-fn a_picture_by_the_watertight_walk_is_natives_and_the_others_differ_by_roundings() {
+fn a_picture_by_the_watertight_walk_is_natives_and_the_other_tests_differ_by_roundings() {
     let scene = still_life();
     let native = scenes::native(&scene, &Options::default()).film.pixels;
-    assert!(picture(&scene, TriangleModel::Watertight, ReciprocalModel::Exact) == native, "to the bit");
+    assert!(picture(&scene, TriangleModel::Watertight) == native, "to the bit");
     let apart = |pixels: &[[f32; 3]]| {
         let off = |(p, q): (&[f32; 3], &[f32; 3])| p.iter().zip(q).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         let mut all: Vec<f32> = pixels.iter().zip(&native).map(off).collect();
@@ -68,15 +68,37 @@ fn a_picture_by_the_watertight_walk_is_natives_and_the_others_differ_by_rounding
         all[all.len() / 2]
     };
     for test in TriangleModel::ALL {
-        let off = apart(&picture(&scene, test, ReciprocalModel::Exact));
+        let off = apart(&picture(&scene, test));
         assert!(off < 1e-5, "{test:?}: {off} in the median");
     }
-    // A Newton step leaves 2e-7 of a number, the estimate itself 3e-4: a thousand times as much.
-    let [estimate, newton, exact] =
-        ReciprocalModel::ALL.map(|reciprocal| apart(&picture(&scene, TriangleModel::Watertight, reciprocal)));
-    assert!(exact == 0.0 && newton < 1e-5, "{exact} {newton}");
+}
+
+#[test]
+fn a_newton_step_leaves_t_where_it_is_and_the_estimate_alone_does_not() {
+    let mut rng = Rng::new(73);
+    let geometry = [shapes::masked(shapes::closed_sphere(12, 0.1, 1.0, Vec3::ZERO), GeometryMask::OPAQUE)];
+    let rays: Vec<Ray> = (0..2000)
+        .map(|_| {
+            let origin = rng.direction() * 4.0;
+            Ray::new(origin, rng.point() * 0.4 - origin)
+        })
+        .collect();
+    let hits = |reciprocal| {
+        contract::closest(&Walk::build(&geometry, BuildQuality::Default, TriangleModel::Watertight, reciprocal), &rays)
+    };
+    let truth = hits(ReciprocalModel::Exact);
+    assert!(truth.iter().all(|hit| hit.is_hit()));
+    // The median, since estimates also lose hits, or find the far side.
+    let off = |reciprocal| {
+        let pairs = hits(reciprocal).into_iter().zip(&truth);
+        let mut off: Vec<f32> = pairs.filter(|(a, _)| a.is_hit()).map(|(a, b)| (a.t - b.t).abs() / b.t).collect();
+        off.sort_by(f32::total_cmp);
+        off[off.len() / 2]
+    };
+    let [estimate, newton, exact] = ReciprocalModel::ALL.map(off);
+    assert!(exact == 0.0 && newton < 1e-6, "{exact} {newton}");
     if cfg!(target_arch = "x86_64") {
-        assert!(estimate > 10.0 * newton && estimate < 0.05, "{estimate} beside {newton}");
+        assert!(estimate > 1e-6 && estimate < 1e-2, "{estimate}");
     }
 }
 
@@ -106,7 +128,7 @@ fn aimed_rays_slip_past_the_tests_that_leak_and_fall_to_f64_in_the_certified_one
         assert!(lost(test, &seams).0 > 80 && lost(test, &anywhere).0 == 0, "{test:?}: {:?}", lost(test, &seams));
     }
     let (aimed, random) = (lost(TriangleModel::Certified, &seams).1, lost(TriangleModel::Certified, &anywhere).1);
-    assert!(aimed.tested > 10_000 && aimed.share() > 0.1 && random.share() < 1e-3, "{aimed:?} {random:?}");
+    assert!(aimed.tested > 10_000 && aimed.share() > 0.02 && random.share() < 1e-3, "{aimed:?} {random:?}");
     assert_eq!(lost(TriangleModel::MollerTrumbore, &seams).1.settled, 0);
 }
 

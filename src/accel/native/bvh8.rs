@@ -78,7 +78,7 @@ impl Node8 {
 
     /// Puts the boxes in order for every octant; to be called when all of them are there.
     pub fn put_in_order(&mut self) {
-        for (o, order) in self.order.iter_mut().enumerate() {
+        for o in 0..4 {
             let along = |slot: usize| {
                 let axis = |k: usize| {
                     let twice_centre = self.planes[k][0].lane(slot) + self.planes[k][1].lane(slot);
@@ -88,8 +88,12 @@ impl Node8 {
             };
             // What is not a number (of absent children, or of boxes beyond all measure) goes anywhere.
             let mut slots: [usize; 8] = std::array::from_fn(|slot| slot);
-            slots.sort_by(|&a, &b| along(b).total_cmp(&along(a)));
-            *order = slots.iter().rev().fold(0, |order, &slot| order << 3 | slot as u32);
+            let far = slots.map(along);
+            slots.sort_unstable_by(|&a, &b| far[b].total_cmp(&far[a]).then(a.cmp(&b)));
+            let packed = |order: u32, &slot: &usize| order << 3 | slot as u32;
+            self.order[o] = slots.iter().rev().fold(0, packed);
+            // Who runs the other way passes them the other way round.
+            self.order[7 - o] = slots.iter().fold(0, packed);
         }
     }
 

@@ -140,7 +140,7 @@ pub fn choose(
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
         // The picture is held against light without polarisation, and a proof costs more than the base's own cut-off.
         let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
-        if polarised || variant.proven.is_some() && base.proven.is_none() {
+        if polarised || (variant.proven.is_some() && base.proven.is_none()) {
             continue;
         }
         let candidate = quick.measure(&variant)?;
