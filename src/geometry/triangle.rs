@@ -20,7 +20,7 @@ use crate::math::{Real, Vector3};
 const SMALL_SUM: f64 = 7.888_609_052_210_118e-31;
 
 /// How far beyond an end of the ray's interval a triangle is left out unsolved, in parts of its farthest corner's
-/// distance: 2^-17.
+/// distance, where it is of good shape: 2^-17.
 const BEYOND: f64 = 1.0 / 131_072.0;
 
 /// The longest axis of a direction, x before y before z among equals.
@@ -64,6 +64,8 @@ pub(crate) struct Edges<R> {
 /// Weights of the corners, before anything is divided by the length of the ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights<R: Real> {
+    /// One over the sum of the edge functions.
+    scale: R,
     /// Of the second corner.
     u: R,
     /// Of the third corner.
@@ -161,19 +163,26 @@ impl<R: Real> Edges<R> {
         let scale = reciprocal(sum);
         let (first, u, v) = (eu * scale, ev * scale, ew * scale);
         let [a, b, c] = self.corners;
-        Weights { u, v, z: first.fma(a.z, u.fma(b.z, v * c.z)), doubtful }
+        Weights { scale, u, v, z: first.fma(a.z, u.fma(b.z, v * c.z)), doubtful }
     }
 
     /// Whether `t` may come to lie within `t_min..=t_max`, for lanes where [`Edges::may_hit`]; a quick no.
     ///
-    /// What [`Edges::weigh`] calls `z` is off by at most 6 u of the farthest corner's, and so is the way through the
-    /// triangle's box by 8 u (`WIDEN` in [`super::slab`]), to which `t` is limited. 128 u leave room for both: what is
-    /// beyond an end by more than that would be found beyond it.
+    /// The sheared corners are told apart without error, so that some point of the triangle lies on the ray, at `z*` along
+    /// its longest axis, and the way through the box, to which `t` is limited, holds it but for 8 u (`WIDEN` in
+    /// [`super::slab`]). What [`Edges::weigh`] calls `z` has weights with errors: each edge function is off by at most 4 u
+    /// of `most`, the largest of its products, so `z` is off `z*` by at most 12 u `most` over the sum, times twice the
+    /// farthest corner's distance; and by 6 u of that for the rest. 128 u of both leave room for the sum's own error,
+    /// too; and where `most` is so much larger than the sum that it does not, nothing is left out at all.
     #[inline(always)]
     pub fn may_lie_within(&self, weights: &Weights<R>, ray: &ShearedRay<R>, t_min: R, t_max: R) -> R::Mask {
         let [a, b, c] = &self.corners;
-        let (a, b, c) = (a.z.abs(), b.z.abs(), c.z.abs());
-        let room = a.max_or(b.max_or(c)).fma(R::splat(BEYOND), R::splat(f64::from(f32::MIN_POSITIVE)));
+        let product = |p: R, q: R| (p * q).abs();
+        let most = product(c.x, b.y).max_or(product(c.y, b.x)).max_or(product(a.x, c.y));
+        let most = most.max_or(product(a.y, c.x).max_or(product(b.x, a.y)).max_or(product(b.y, a.x)));
+        let far = a.z.abs().max_or(b.z.abs()).max_or(c.z.abs());
+        let share = most.fma(weights.scale.abs(), R::one());
+        let room = (far * R::splat(BEYOND)).fma(share, R::splat(f64::from(f32::MIN_POSITIVE)));
         let (start, end) = (t_min * ray.dz, t_max * ray.dz);
         let below = (weights.z + room).lt(start.min_or(end));
         let above = start.max_or(end).lt(weights.z - room);
@@ -251,6 +260,7 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<(f32, f32, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::slab::T_LIMIT;
 
     fn random(state: &mut u32) -> f32 {
         *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -308,6 +318,30 @@ mod tests {
         let origin = of(-1_081.479_25, 99.999_954_2, 87.770_111_1);
         let ray = Ray { t_max: 0.9999, ..Ray::new(origin, of(-32.107_299_8, -183.355_865, -144.607_635)) };
         assert_eq!(intersect(&ray, corners), None);
+    }
+
+    /// However thin the triangle, and whatever its box makes of `t`.
+    #[test]
+    fn what_is_met_within_the_interval_is_never_left_out_unsolved() {
+        let mut state = 11;
+        let mut hits = 0;
+        for i in 0..300_000 {
+            let (a, b) = (point(&mut state), point(&mut state));
+            let c = a.lerp(b, random(&mut state)) + point(&mut state) * 10_f32.powi(-(i % 9));
+            let corners = if i % 2 == 0 { [a, b, c] } else { [c * 1e-3, a * 1e-3, b * 1e-3] };
+            let target =
+                corners[0].lerp(corners[1].lerp(corners[2], random(&mut state).abs()), random(&mut state).abs());
+            let origin = if i % 3 == 0 { target } else { point(&mut state) * 3.0 };
+            let dir = if i % 3 == 0 { point(&mut state) } else { target - origin };
+            let ray = Ray { t_min: -T_LIMIT, ..Ray::new(origin, dir) };
+            let Some((t, ..)) = intersect(&ray, corners) else { continue };
+            hits += 1;
+            let (sheared, axis) = ShearedRay::<f32>::new(origin.into(), dir.into());
+            let edges = sheared.edges(&corners.map(|p| axis.turn(p.into())));
+            let within = |t_min, t_max| edges.may_lie_within(&edges.weigh(), &sheared, t_min, t_max);
+            assert!(within(t.next_down(), t) && within(t.next_down(), f32::INFINITY), "{ray:?} {corners:?}");
+        }
+        assert!(hits > 30_000, "{hits}");
     }
 
     /// Cases RT-12, RT-13 of the catalogue.
