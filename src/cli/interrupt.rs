@@ -3,7 +3,6 @@
 //! The first one asks the render to stop, which it does between packets; whatever still runs after [`PATIENCE`] is
 //! ended from outside. The second one, and any outside a render, ends the program at once. Neither leaves a file behind.
 
-use std::process::exit;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -60,5 +59,11 @@ pub(super) fn wait_for_the_end() {
 fn leave() -> ! {
     discard_unfinished();
     output::log(&format!("error: {}", Error::Interrupted));
-    exit(i32::from(Error::Interrupted.exit_code()))
+    let code = i32::from(Error::Interrupted.exit_code());
+    // Other threads are at work yet, some of them in Embree, whose own tidying up at a proper exit would pull the ground
+    // from under them.
+    #[cfg(unix)]
+    signal_hook::low_level::exit(code);
+    #[cfg(not(unix))]
+    std::process::exit(code)
 }
