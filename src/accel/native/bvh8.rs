@@ -53,7 +53,7 @@ pub(super) type Planes = [[F32x8; 2]; 3];
 pub(super) struct Node8 {
     /// The boxes.
     pub planes: Planes,
-    /// What the boxes hold; those that hold something come first.
+    /// What the boxes hold; those that hold something come first, and of them last what is likeliest to block a ray.
     pub children: [Child; 8],
     /// By octant, the eight slots in the order in which rays of the octant pass the centres of their boxes, last ones
     /// first: three bits a slot, the first lowest.
@@ -74,6 +74,18 @@ impl Node8 {
     pub fn words(&self) -> impl Iterator<Item = u32> {
         let planes = self.planes.iter().flatten().flat_map(|p| p.to_array()).map(f32::to_bits);
         planes.chain(self.children.map(|c| c.0)).chain(self.order)
+    }
+
+    /// Moves the boxes, with what is in them, so that those come first that stood in `slots`, which are all that hold
+    /// something.
+    pub fn reorder(&mut self, slots: impl Iterator<Item = usize>) {
+        let old = *self;
+        for (to, from) in slots.enumerate() {
+            self.children[to] = old.children[from];
+            for (planes, old) in self.planes.iter_mut().flatten().zip(old.planes.iter().flatten()) {
+                planes.set_lane(to, old.lane(from));
+            }
+        }
     }
 
     /// Puts the boxes in order for every octant; to be called when all of them are there.

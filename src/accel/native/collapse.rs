@@ -4,12 +4,13 @@ use rayon::prelude::*;
 
 use super::bvh2::{self, Kind, Node2, PrimRef};
 use super::bvh8::{Bvh8, Child, Node8};
-use super::{morton, reinsert};
+use super::leaf::Leaf;
+use super::{blockers, morton, reinsert};
 use crate::accel::BuildQuality;
 use crate::simd::room_for;
 
 /// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them.
-pub(super) fn bvh8<L: Send>(
+pub(super) fn bvh8<L: Leaf + Send>(
     prims: &mut [PrimRef],
     quality: BuildQuality,
     leaf: impl Fn(&[PrimRef]) -> L + Sync,
@@ -26,11 +27,17 @@ pub(super) fn bvh8<L: Send>(
     let root = flat.place(&tree, 0);
     let mut nodes = room_for(flat.nodes.len());
     nodes.append(&mut flat.nodes);
-    nodes.par_iter_mut().for_each(Node8::put_in_order);
     let mut leaves = room_for(flat.leaves.len());
-    let of = |&(first, count): &(u32, u32)| leaf(&prims[first as usize..][..count as usize]);
+    let mut covers = Vec::new();
+    let of = |&(first, count): &(u32, u32)| {
+        let leaf = leaf(&prims[first as usize..][..count as usize]);
+        let cover = leaf.cover();
+        (leaf, cover)
+    };
     // Giving back half a million small boxes takes a while, too.
-    rayon::join(|| flat.leaves.par_iter().map(of).collect_into_vec(&mut leaves), || drop(tree));
+    rayon::join(|| flat.leaves.par_iter().map(of).unzip_into_vecs(&mut leaves, &mut covers), || drop(tree));
+    blockers::put_last(&mut nodes, &covers);
+    nodes.par_iter_mut().for_each(Node8::put_in_order);
     Bvh8 { nodes, leaves, root, depth: flat.depth }
 }
 

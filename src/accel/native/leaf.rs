@@ -19,6 +19,8 @@ pub(super) trait Leaf: Sync {
     fn closest_eight(&self, rays: &Eight, to: &Towards, slots: u8, best: &mut Best8);
     /// Which rays meet any of the primitives in `slots` at or before their `t_max`.
     fn occluded_eight(&self, rays: &Eight, to: &Towards, slots: u8, t_max: F32x8) -> u8;
+    /// Twice the mean area of the shadows that the primitives throw, over all directions: of a triangle, its area.
+    fn cover(&self) -> f32;
     /// Ids of the primitives within, `(geometry, primitive)`.
     fn ids(&self) -> impl Iterator<Item = (u32, u32)>;
 }

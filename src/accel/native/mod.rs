@@ -6,6 +6,7 @@
 
 mod beam;
 mod bits;
+mod blockers;
 mod bvh2;
 mod bvh8;
 mod collapse;
@@ -104,7 +105,9 @@ impl Native {
                 let (id, primitive) = p.id();
                 (mesh(id).corners(primitive as usize), id, primitive, geometry[id as usize].mask.0)
             };
-            Tri8::new(&prims.iter().map(of).collect::<arrayvec::ArrayVec<_, 8>>())
+            let mut triangles: arrayvec::ArrayVec<_, 8> = prims.iter().map(of).collect();
+            largest_first(&mut triangles, |([a, b, c], ..)| (*b - *a).cross(*c - *a).length_squared());
+            Tri8::new(&triangles)
         });
         let spheres = collapse::bvh8(&mut spheres, quality, |prims| {
             let of = |p: &PrimRef| {
@@ -112,7 +115,9 @@ impl Native {
                 let Shape::Sphere(sphere) = g.shape else { unreachable!("a reference to a sphere names one") };
                 (sphere, p.id().0, g.mask.0)
             };
-            Sphere8::new(&prims.iter().map(of).collect::<arrayvec::ArrayVec<_, 8>>())
+            let mut spheres: arrayvec::ArrayVec<_, 8> = prims.iter().map(of).collect();
+            largest_first(&mut spheres, |(sphere, ..)| sphere.radius);
+            Sphere8::new(&spheres)
         });
         stats.nodes = triangles.nodes.len() + spheres.nodes.len();
         stats.leaves = triangles.leaves.len() + spheres.leaves.len();
@@ -164,6 +169,13 @@ impl Native {
         let trees = Trees { spheres: &self.spheres, triangles: &self.triangles };
         trees.occluded(kernel, rays, blocked, coherence, scratch);
     }
+}
+
+/// Swaps the largest to the front, where a packet that asks for any hit tries it first.
+fn largest_first<T>(primitives: &mut [T], size: impl Fn(&T) -> f32) {
+    let larger = |m: usize, i: usize| if size(&primitives[i]) > size(&primitives[m]) { i } else { m };
+    let largest = (0..primitives.len()).fold(0, larger);
+    primitives.swap(0, largest);
 }
 
 /// A triangle's reference for the build, with the box that the triangle test knows it by.

@@ -98,8 +98,15 @@ impl Leaf for Sphere8 {
             slots &= slots - 1;
             let (_, met) = intersect_eight(&rays.way.slab, rays.way.dir, &self.sphere(i), rays.way.t_min, t_max);
             blocked |= met.bits() & to.lanes;
+            if blocked == to.lanes {
+                break;
+            }
         }
         blocked
+    }
+
+    fn cover(&self) -> f32 {
+        (0..self.tags.count()).map(|i| 2.0 * std::f32::consts::PI * self.radius.lane(i).powi(2)).sum()
     }
 
     fn ids(&self) -> impl Iterator<Item = (u32, u32)> {

@@ -186,8 +186,8 @@ impl Lists {
         self.stack.push(Visit { child: root, first: 0, count });
     }
 
-    /// One visit: to a node, whose children go on the stack, roughly near ones last where the `NEAREST` hit is wanted; or
-    /// to a leaf. Whether there are more to come, of which the next is asked for from memory.
+    /// One visit: to a node, whose children go on the stack, roughly near ones last where the `NEAREST` hit is wanted,
+    /// else likely blockers; or to a leaf. Whether there are more to come, of which the next is asked for from memory.
     #[inline(always)]
     fn step<L: Leaf, const NEAREST: bool>(
         &mut self,

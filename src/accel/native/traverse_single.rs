@@ -13,15 +13,15 @@ pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, best
     let ((hot, turned), dirs) = (rays.split(), rays.directions());
     each(lanes, |i| {
         let mut one = best.lane(i);
-        closest(tree, tree.root, &One::new(&hot[i], &turned[i], &dirs[i]), &mut one, stack);
+        closest(tree, &One::new(&hot[i], &turned[i], &dirs[i]), &mut one, stack);
         best.set_lane(i, &one);
     });
 }
 
-/// The nearest hit of a ray in what lies below `from`, taken into `best`.
+/// The nearest hit of a ray, taken into `best`.
 #[inline(always)]
-pub(super) fn closest<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, best: &mut Best, stack: &mut Stack) {
-    walk(tree, from, ray, best.t, stack, |leaf, t| {
+fn closest<L: Leaf>(tree: &Bvh8<L>, ray: &One, best: &mut Best, stack: &mut Stack) {
+    walk::<L, true>(tree, ray, best.t, stack, |leaf, t| {
         if leaf.closest_one(ray, *t, best) {
             *t = best.t;
         }
@@ -36,30 +36,30 @@ pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, sta
     let mut blocked = 0;
     each(lanes, |i| {
         let ray = One::new(&hot[i], &turned[i], &dirs[i]);
-        let met = occluded(tree, tree.root, &ray, hot[i].t_max, stack);
+        let met = occluded(tree, &ray, hot[i].t_max, stack);
         blocked |= u8::from(met) << i;
     });
     blocked
 }
 
-/// Whether a ray meets anything below `from` at or before `t_max`.
+/// Whether a ray meets anything at or before `t_max`.
 #[inline(always)]
-pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, from: Child, ray: &One, t_max: f32, stack: &mut Stack) -> bool {
-    walk(tree, from, ray, t_max, stack, |leaf, t| leaf.occluded_one(ray, *t))
+fn occluded<L: Leaf>(tree: &Bvh8<L>, ray: &One, t_max: f32, stack: &mut Stack) -> bool {
+    walk::<L, false>(tree, ray, t_max, stack, |leaf, t| leaf.occluded_one(ray, *t))
 }
 
-/// Visits leaves, near ones first, until `visit` says that it is enough; it may lower the limit. Whether it did.
+/// Visits leaves until `visit` says that it is enough; it may lower the limit. Whether it did. Near ones come first
+/// where the `NEAREST` hit is wanted, else those that are likeliest to block the ray.
 #[inline(always)]
-fn walk<L: Leaf>(
+fn walk<L: Leaf, const NEAREST: bool>(
     tree: &Bvh8<L>,
-    from: Child,
     ray: &One,
     mut t_max: f32,
     stack: &mut Stack,
     mut visit: impl FnMut(&L, &mut f32) -> bool,
 ) -> bool {
     let mut top = 0;
-    let mut here = from;
+    let mut here = tree.root;
     if here == Child::NONE {
         return false;
     }
@@ -79,6 +79,14 @@ fn walk<L: Leaf>(
             let first = next(&mut left);
             here = node.children[first];
             if left == 0 {
+                continue;
+            }
+            if !NEAREST {
+                while left != 0 {
+                    stack[top] = Entry { enter: f32::NEG_INFINITY, child: here, lanes: 0 };
+                    top += 1;
+                    here = node.children[next(&mut left)];
+                }
                 continue;
             }
             let enter = enter.as_array();

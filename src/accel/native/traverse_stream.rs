@@ -120,7 +120,9 @@ impl Tile {
                 Share::Beam { lanes, wide } => {
                     left &= !lanes;
                     let group = Group::new(way, i, lanes, wide);
-                    if group.reaches(trees.triangles) || group.reaches(trees.spheres) {
+                    // A narrow tile's own beam has been followed farther down than this looks.
+                    let known = matches!(survey, Survey::Narrow { .. });
+                    if known || group.reaches(trees.triangles) || group.reaches(trees.spheres) {
                         self.groups.push(group);
                     }
                 }

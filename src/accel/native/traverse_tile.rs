@@ -74,7 +74,7 @@ pub(super) fn occluded<L: Leaf>(
 }
 
 /// Visits leaves with each group whose beam meets their boxes; near ones first where the `NEAREST` hit is wanted, else
-/// until there is any hit for all rays.
+/// likely blockers first until there is any hit for all rays.
 #[inline(always)]
 fn walk<L: Leaf, const NEAREST: bool>(
     tree: &Bvh8<L>,

@@ -123,9 +123,17 @@ impl Tri8 {
         intersect(&ray.sheared(), &turned, limit, interval, || self.tags.admitted(ray.admits()))
     }
 
-    /// Calls `found` with the hits with each triangle in `slots` that the rays look for; it gives the new limits.
+    /// Calls `found` with the hits with each triangle in `slots` that the rays look for; it gives the new limits, or
+    /// nothing where it has seen enough.
     #[inline(always)]
-    fn meet_eight(&self, rays: &Eight, to: &Towards, slots: u8, found: impl FnMut(usize, Met) -> F32x8, t_max: F32x8) {
+    fn meet_eight(
+        &self,
+        rays: &Eight,
+        to: &Towards,
+        slots: u8,
+        found: impl FnMut(usize, Met) -> Option<F32x8>,
+        t_max: F32x8,
+    ) {
         let slots = self.tags.admitted(rays.way.admits) & slots;
         match rays.common_axis(to.lanes) {
             Some(0) => self.meet_along::<0>(rays, to, slots, found, t_max),
@@ -142,7 +150,7 @@ impl Tri8 {
         rays: &Eight,
         to: &Towards,
         mut slots: u8,
-        mut found: impl FnMut(usize, Met) -> F32x8,
+        mut found: impl FnMut(usize, Met) -> Option<F32x8>,
         mut t_max: F32x8,
     ) {
         while slots != 0 {
@@ -167,7 +175,8 @@ impl Tri8 {
             };
             let met = intersect(&rays.sheared, &turned, limit, (rays.way.t_min, t_max), || to.lanes);
             if let Some(met) = met {
-                t_max = found(i, met);
+                let Some(limit) = found(i, met) else { return };
+                t_max = limit;
             }
         }
     }
@@ -202,7 +211,7 @@ impl Leaf for Tri8 {
         let tags = &self.tags;
         let found = |i: usize, met: Met| {
             best.take(met.lanes, met.t, met.u, met.v, tags.geometry[i], tags.primitive[i]);
-            best.t
+            Some(best.t)
         };
         self.meet_eight(rays, to, slots, found, t_max);
     }
@@ -212,10 +221,17 @@ impl Leaf for Tri8 {
         let mut blocked = 0;
         let found = |_, met: Met| {
             blocked |= met.lanes.bits();
-            t_max
+            (blocked != to.lanes).then_some(t_max)
         };
         self.meet_eight(rays, to, slots, found, t_max);
         blocked
+    }
+
+    fn cover(&self) -> f32 {
+        let corner = |k: usize| Vec3x8::new(self.corners[k][0], self.corners[k][1], self.corners[k][2]);
+        let a = corner(0);
+        let areas = ((corner(1) - a).cross(corner(2) - a).length() * F32x8::from(0.5)).to_array();
+        areas[..self.tags.count()].iter().sum()
     }
 
     fn ids(&self) -> impl Iterator<Item = (u32, u32)> {
