@@ -421,6 +421,8 @@ fn nothing_is_proven_by_shells_with_holes_open_ones_touched_ones_or_ones_that_le
     let beyond = |s: &mut Scene| {
         s.camera.eye = Vec3::new(0.1, 0.2, 0.3);
         s.geometry[1].shape = Shape::Sphere(Sphere { centre: Vec3::Z * -4.0, radius: 0.5 });
+        // With nothing within, the box would not be looked at.
+        sphere(s, Vec3::splat(-0.5), 0.2, 0);
     };
     assert!(!sealed(&beyond), "walls seen from within, whose creases rounding may put a ray beyond");
     assert!(!sealed(&|s| s.materials[0].interface = Interface::Alpha { opacity: 0.99 }), "a cover with holes");
