@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::{BackendArg, FresnelArg, RefractionArg, ShadowsArg, above_minus_one, cutoff, not_negative};
+use super::numbers::{above_minus_one, cutoff, not_negative};
+use super::{BackendArg, FresnelArg, RefractionArg, ShadowsArg};
 
 /// Show the tree of rays behind one pixel, in f32 and in f64.
 #[derive(Debug, Args)]

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::{Backend, Overrides, oliveira, refuse_input};
+use super::choices::oliveira;
+use super::{Overrides, refuse_input};
 use crate::cli::args::PixelArgs;
+use crate::cli::backend::Backend;
 use crate::image::Destination;
 use crate::render;
 use crate::{Error, Result};

@@ -1,0 +1,102 @@
+//! `vitrum bench`, as typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, value_parser};
+
+use super::BvhArg;
+
+/// Time the back ends against each other on the same rays, or on whole pictures.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum bench bunny.obj dragon.obj
+  vitrum bench scenes/glass.toml --threads 1 --rounds 21
+  vitrum bench bunny.obj --rays primary,shadow --html bunny.html
+  vitrum bench bunny.obj --json > bunny.json
+  vitrum bench --frames scenes/glass.toml scenes/goblet.toml
+  vitrum bench --sweep --threads 1 --plot sweep.svg
+
+Every contender traces the same rays, made beforehand; they take turns, and the
+figure is the median over the rounds. Contenders that do not find the same hits
+are not timed: the program says which rays differ and exits 1. Infinite planes
+are left out. A quiet machine gives narrow spreads.
+
+With --frames whole pictures of the scenes, as large as they say with one ray a
+pixel, take turns instead; building is not part of their time.")]
+pub(in crate::cli) struct BenchArgs {
+    /// Scenes (.toml) or models (.obj)
+    #[arg(required_unless_present = "sweep", value_name = "SCENE|MESH")]
+    pub scenes: Vec<PathBuf>,
+
+    /// Time whole pictures of the scenes instead of rays
+    #[arg(long, conflicts_with_all = ["sweep", "rays", "size", "one_in", "builds", "html", "plot"])]
+    pub frames: bool,
+
+    /// Time primary and diffuse rays at one landscape, divided into so many triangles [default sizes: 1 k to 10 M]
+    #[arg(
+        long, value_name = "TRIANGLES,...", num_args = 0..=1, require_equals = true, value_delimiter = ',',
+        default_missing_value = "1000,3162,10000,31623,100000,316228,1000000,3162278,10000000",
+        value_parser = value_parser!(u32).range(2..=100_000_000), conflicts_with = "scenes"
+    )]
+    pub sweep: Option<Vec<u32>>,
+
+    /// Picture (SVG) of the sweep to write
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+
+    /// How the native hierarchy is built; Embree's is MEDIUM [default: default]
+    #[arg(long, value_enum)]
+    pub bvh: Option<BvhArg>,
+
+    /// Threads that trace and build [default: 1, then one a processor]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+
+    /// How often each contender runs
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=10_000), default_value_t = 11)]
+    pub rounds: u32,
+
+    /// How often each hierarchy is built
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 3)]
+    pub builds: u32,
+
+    /// Kinds of rays [default: all]
+    #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',')]
+    pub rays: Vec<RaysArg>,
+
+    /// Edge of the picture that the rays start from, in pixels; a multiple of 8
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(8..=8192), default_value_t = 1024)]
+    pub size: u32,
+
+    /// Take one 8 x 8 tile of the picture in N
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=65536), default_value_t = 4)]
+    pub one_in: u32,
+
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Page with bars to write
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
+
+    /// No progress bar, no warnings and no table
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(in crate::cli) enum RaysArg {
+    /// From the eye
+    Primary,
+    /// To a point light, any hit
+    Shadow,
+    /// Reflected
+    Mirror,
+    /// Into glass and out of it
+    Refracted,
+    /// Into the hemisphere by cosine
+    Diffuse,
+    /// The same, any hit nearby
+    DiffuseAny,
+}

@@ -1,0 +1,64 @@
+//! Numbers within their ranges.
+
+fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| String::from("not a number"))
+}
+
+/// A difference of a channel: a fraction or a number.
+pub(super) fn bound(text: &str) -> Result<f64, String> {
+    let value: f64 = match text.split_once('/') {
+        Some((above, below)) => number::<f64>(above)? / number::<f64>(below)?,
+        None => number(text)?,
+    };
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(String::from("not a number above 0; write 1/512 or 0.002"))
+    }
+}
+
+pub(super) fn cutoff(text: &str) -> Result<f32, String> {
+    let x: f32 = number(text)?;
+    if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
+}
+
+pub(super) fn above_minus_one(text: &str) -> Result<f64, String> {
+    let x: f64 = number(text)?;
+    if x > -1.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above -1")) }
+}
+
+pub(super) fn above_zero(text: &str) -> Result<f32, String> {
+    let x: f32 = number(text)?;
+    if x > 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above 0")) }
+}
+
+pub(super) fn exposure(text: &str) -> Result<f32, String> {
+    let x: f32 = number(text)?;
+    if (-64.0..=64.0).contains(&x) { Ok(x) } else { Err(String::from("not in -64 to 64")) }
+}
+
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let x: f64 = number(text)?;
+    if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
+}
+
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    let x: f64 = number(text)?;
+    if x >= 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number of at least 0")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        for text in ["nan", "inf", "-0.1", "1.5", "", "a"] {
+            assert!(cutoff(text).is_err(), "{text}");
+            assert!(share(text).is_err(), "{text}");
+        }
+        assert!(exposure("nan").is_err() && exposure("65").is_err());
+        assert!(not_negative("inf").is_err() && not_negative("-1e-9").is_err());
+        assert_eq!((cutoff("0"), exposure("-2"), not_negative("5e-4")), (Ok(0.0), Ok(-2.0), Ok(5e-4)));
+    }
+}

@@ -1,0 +1,47 @@
+//! `vitrum parity`, as typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, value_parser};
+
+/// Trace the same rays by every path and judge what differs.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum parity scenes/glass.toml
+  vitrum parity bunny.obj --rays 100000 --json
+
+Rays as pictures need them, and rays aimed at edges, at corners and at the ends
+of their own intervals go through the native path and, where they are there,
+Embree's robust and fast modes. What differs from the f64 reference is either
+undecidable in f32 (by a margin below the bound on its error) or wrong. Then
+each makes a small picture, compared with the one that the same shading makes
+of the reference's hits; edges and what magnifies roundings are told apart.
+Exits 1 when the native path is wrong anywhere.")]
+pub(in crate::cli) struct ParityArgs {
+    /// Scene (.toml) or model (.obj)
+    pub scene: PathBuf,
+
+    /// Rays of each kind
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=16_777_216), default_value_t = 100_000)]
+    pub rays: u32,
+
+    /// Columns of the picture [default: the scene's, at most 320]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
+    pub width: Option<u32>,
+
+    /// Rows of the picture [default: the scene's, at most 240]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
+    pub height: Option<u32>,
+
+    /// Worker threads [default: one a processor]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// No progress bar
+    #[arg(short, long)]
+    pub quiet: bool,
+}

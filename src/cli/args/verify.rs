@@ -1,0 +1,81 @@
+//! `vitrum verify`, as typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, value_parser};
+
+/// Fire the hard cases of numerics at this machine, or at a scene.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum verify
+  vitrum verify --full --json > figures.json
+  vitrum verify --backend native,embree --group leaks self-hits
+  vitrum verify scenes/glass.toml
+
+Without a scene: closed meshes of all sizes and places, odd meshes, the optics
+against an oracle of twice the digits of f64, long chains of reflections.
+With one: rays at its corners and edges, judged by the f64 arbiter, and the
+triangles that are in trouble, each with its place in the file.
+Exits 1 when anything falls short.")]
+pub(in crate::cli) struct VerifyArgs {
+    /// Scene (.toml) or model (.obj) to fire at, instead of the built-in cases
+    pub scene: Option<PathBuf>,
+
+    /// All the cases (minutes) instead of a sample of them (seconds)
+    #[arg(long)]
+    pub full: bool,
+
+    /// Paths to try, side by side; embree is tried robust and fast
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "native")]
+    pub backend: Vec<PathArg>,
+
+    /// Groups to run [default: all]
+    #[arg(long, value_name = "NAME", value_enum, num_args = 1.., value_delimiter = ',')]
+    pub group: Vec<GroupArg>,
+
+    /// Worker threads [default: one a processor]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Print nothing but errors; the exit code tells
+    #[arg(short, long, conflicts_with = "json")]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum PathArg {
+    /// Our own eight-wide hierarchy
+    Native,
+    /// Embree, robust and fast, where built in
+    Embree,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(in crate::cli) enum GroupArg {
+    /// Rays out of closed meshes
+    Leaks,
+    /// Rays that meet what they leave
+    SelfHits,
+    /// Reflectance against the oracle
+    Fresnel,
+    /// Refracted directions against the oracle
+    Refraction,
+    /// Mirror directions against the oracle
+    Reflection,
+    /// Equal media, R + T = 1, one lane beside eight
+    Matched,
+    /// Spoilt lanes and other orders
+    Lanes,
+    /// Hits against testing everything
+    Traversal,
+    /// Trees over garbage
+    Builds,
+    /// Light after long chains of reflections
+    Chains,
+    /// Hits at the scene against the arbiter
+    Parity,
+}

@@ -1,0 +1,88 @@
+//! `vitrum bench`, checked.
+
+use std::path::PathBuf;
+
+use super::choices::quality;
+use super::refuse_input;
+use crate::cli::args::{BenchArgs, RaysArg};
+use crate::image::Destination;
+use crate::trial::{Picture, Plan, RayKind};
+use crate::{Error, Result};
+
+/// A trial of the back ends.
+#[derive(Debug)]
+pub(in crate::cli) struct Bench {
+    pub scenes: Vec<PathBuf>,
+    pub plan: Plan,
+    /// Whole pictures instead of rays.
+    pub frames: bool,
+    /// Triangles of one landscape, again and again, instead of scenes.
+    pub sweep: Vec<u32>,
+    /// Picture of the sweep to write.
+    pub plot: Option<Destination>,
+    pub json: bool,
+    /// Page to write.
+    pub html: Option<Destination>,
+    pub quiet: bool,
+}
+
+impl TryFrom<BenchArgs> for Bench {
+    type Error = Error;
+
+    fn try_from(args: BenchArgs) -> Result<Self> {
+        if !args.size.is_multiple_of(8) {
+            return Err(Error::Usage(format!("--size {}: not a multiple of 8, the edge of a tile", args.size)));
+        }
+        let html = match args.html {
+            None => None,
+            Some(name) => {
+                refuse_input("--html", &name, args.scenes.iter().map(PathBuf::as_path))?;
+                Some(Destination::new(&name)?)
+            }
+        };
+        let all = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = match args.threads {
+            Some(n) => vec![n as usize],
+            None if all == 1 => vec![1],
+            None => vec![1, all],
+        };
+        let named = |kind: &RayKind| args.rays.iter().any(|&r| kind_of(r) == *kind);
+        let of_a_sweep = |kind: &RayKind| matches!(kind, RayKind::Primary | RayKind::Diffuse);
+        let asked = |kind: &RayKind| match args.rays.is_empty() {
+            true => args.sweep.is_none() || of_a_sweep(kind),
+            false => named(kind),
+        };
+        if args.plot.is_some() && args.sweep.is_none() {
+            return Err(Error::Usage(String::from("--plot: only --sweep is drawn; give it instead of scenes")));
+        }
+        let plot = args.plot.as_deref().map(Destination::new).transpose()?;
+        Ok(Self {
+            frames: args.frames,
+            plot,
+            plan: Plan {
+                bvh: quality(args.bvh),
+                picture: Picture { edge: args.size, one_in: args.one_in },
+                kinds: RayKind::ALL.into_iter().filter(asked).collect(),
+                threads,
+                rounds: args.rounds as usize,
+                builds: args.builds as usize,
+            },
+            sweep: args.sweep.unwrap_or_default(),
+            scenes: args.scenes,
+            json: args.json,
+            html,
+            quiet: args.quiet,
+        })
+    }
+}
+
+fn kind_of(arg: RaysArg) -> RayKind {
+    match arg {
+        RaysArg::Primary => RayKind::Primary,
+        RaysArg::Shadow => RayKind::Shadow,
+        RaysArg::Mirror => RayKind::Mirror,
+        RaysArg::Refracted => RayKind::Refracted,
+        RaysArg::Diffuse => RayKind::Diffuse,
+        RaysArg::DiffuseAny => RayKind::DiffuseAny,
+    }
+}

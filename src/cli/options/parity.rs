@@ -1,0 +1,32 @@
+//! `vitrum parity`, checked.
+
+use std::path::PathBuf;
+
+use super::SmallPicture;
+use crate::cli::args::ParityArgs;
+
+/// Paths to be compared ray by ray.
+#[derive(Debug)]
+pub(in crate::cli) struct Parity {
+    pub scene: PathBuf,
+    /// Rays of each kind.
+    pub rays: usize,
+    pub picture: SmallPicture,
+    /// 0 is one a processor.
+    pub threads: usize,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+impl From<ParityArgs> for Parity {
+    fn from(args: ParityArgs) -> Self {
+        Self {
+            scene: args.scene,
+            rays: args.rays as usize,
+            picture: SmallPicture { width: args.width, height: args.height },
+            threads: args.threads.unwrap_or(0) as usize,
+            json: args.json,
+            quiet: args.quiet,
+        }
+    }
+}

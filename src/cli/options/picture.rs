@@ -1,0 +1,100 @@
+//! What becomes of the settings that a scene gives its picture.
+
+use crate::scene::{Settings, ShadowRule};
+use crate::{Error, Result};
+
+/// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
+const MOST_PIXELS: u64 = 1 << 27;
+
+/// Settings of the scene that the command line replaces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::cli) struct Overrides {
+    pub(super) width: Option<u32>,
+    pub(super) height: Option<u32>,
+    pub(super) samples: Option<u32>,
+    pub(super) depth: Option<u32>,
+    pub(super) cutoff: Option<f32>,
+    pub(super) shadows: Option<ShadowRule>,
+    pub(super) wavelengths: Option<u32>,
+}
+
+impl Overrides {
+    /// Replaces what was given.
+    ///
+    /// # Errors
+    /// A limit, where the picture is then too large.
+    pub fn apply(&self, settings: &mut Settings) -> Result<()> {
+        settings.width = self.width.unwrap_or(settings.width);
+        settings.height = self.height.unwrap_or(settings.height);
+        settings.samples = self.samples.unwrap_or(settings.samples);
+        settings.max_depth = self.depth.unwrap_or(settings.max_depth);
+        settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
+        settings.shadows = self.shadows.unwrap_or(settings.shadows);
+        settings.wavelengths = self.wavelengths.unwrap_or(settings.wavelengths);
+        refuse_large(settings)
+    }
+}
+
+/// The size of a picture that is traced in `f64`, too.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cli) struct SmallPicture {
+    pub(super) width: Option<u32>,
+    pub(super) height: Option<u32>,
+}
+
+impl SmallPicture {
+    /// What it is at most where nothing else is asked for.
+    const MOST: [u32; 2] = [320, 240];
+
+    /// Makes the picture of `settings` as large as asked for, or else small, of the same shape as far as pixels allow.
+    ///
+    /// # Errors
+    /// A limit, where it is too large.
+    pub fn fit(self, settings: &mut Settings) -> Result<()> {
+        let (width, height) = (f64::from(settings.width), f64::from(settings.height));
+        let scale = match (self.width, self.height) {
+            (Some(w), _) => f64::from(w) / width,
+            (None, Some(h)) => f64::from(h) / height,
+            (None, None) => (f64::from(Self::MOST[0]) / width).min(f64::from(Self::MOST[1]) / height).min(1.0),
+        };
+        let scaled = |x: f64| (x * scale).round().max(1.0) as u32;
+        settings.width = self.width.unwrap_or(scaled(width));
+        settings.height = self.height.unwrap_or(scaled(height));
+        refuse_large(settings)
+    }
+}
+
+/// # Errors
+/// A limit, where the picture is too large.
+fn refuse_large(settings: &Settings) -> Result<()> {
+    let (width, height) = (settings.width, settings.height);
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(Error::Limit(format!(
+            "a picture of {width} by {height} pixels is too large; at most {MOST_PIXELS} pixels are rendered"
+        )));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_to_be_traced_in_f64_is_small_and_keeps_its_shape_unless_told() {
+        let fit = |width, height, asked: (Option<u32>, Option<u32>)| {
+            let mut settings = Settings { width, height, ..Settings::default() };
+            SmallPicture { width: asked.0, height: asked.1 }
+                .fit(&mut settings)
+                .map(|()| (settings.width, settings.height))
+        };
+        assert_eq!(fit(1920, 1080, (None, None)).unwrap(), (320, 180));
+        assert_eq!(fit(100, 1000, (None, None)).unwrap(), (24, 240));
+        assert_eq!(fit(64, 48, (None, None)).unwrap(), (64, 48));
+        assert_eq!(fit(1_000_000, 1, (None, None)).unwrap(), (320, 1));
+        assert_eq!(fit(640, 480, (Some(1000), None)).unwrap(), (1000, 750));
+        assert_eq!(fit(640, 480, (None, Some(48))).unwrap(), (64, 48));
+        assert_eq!(fit(640, 480, (Some(7), Some(9))).unwrap(), (7, 9));
+        assert_eq!(fit(640, 480, (Some(65536), None)).unwrap_err().exit_code(), 4);
+    }
+}

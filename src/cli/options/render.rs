@@ -1,0 +1,210 @@
+//! `vitrum render`, checked.
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum as _;
+
+use super::choices::{oliveira, quality};
+use super::{Overrides, effects, format_of, refuse_input};
+use crate::accel::BuildQuality;
+use crate::accel::native::TriangleModel;
+use crate::cli::args::{
+    BackendArg, BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
+};
+use crate::cli::backend::Backend;
+use crate::effects::Effect;
+use crate::image::{Bits, Destination, Format};
+use crate::simd::ReciprocalModel;
+use crate::study::budget::Wish;
+use crate::study::{Axis, Spheres};
+use crate::{Error, Result, render};
+
+/// A picture to be rendered.
+#[derive(Debug)]
+pub(in crate::cli) struct Render {
+    pub scene: PathBuf,
+    pub output: Destination,
+    pub format: Format,
+    pub bits: Bits,
+    /// Factor on all colours.
+    pub exposure: Exposure,
+    pub overrides: Overrides,
+    /// What the scene's exact spheres are.
+    pub spheres: Spheres,
+    pub backend: Backend,
+    pub bvh: BuildQuality,
+    pub options: render::Options,
+    /// What the free choices are made for, where that is asked.
+    pub wish: Option<Wish>,
+    /// Choices that the command line made.
+    pub fixed: Vec<Axis>,
+    /// Makes every oddity an error.
+    pub strict: bool,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+/// A factor on all colours, `2^ev`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::cli) struct Exposure {
+    pub ev: f32,
+}
+
+impl Exposure {
+    /// The factor itself.
+    pub fn factor(self) -> f32 {
+        self.ev.exp2()
+    }
+}
+
+impl TryFrom<RenderArgs> for Render {
+    type Error = Error;
+
+    fn try_from(args: RenderArgs) -> Result<Self> {
+        let effects = effects::effects(&args.effects)?;
+        let bent = args.refraction.is_some_and(|r| r != RefractionArg::Stable).then_some("--refraction");
+        effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
+        let straight = matches!(args.shadows, Some(ShadowsArg::Straight)).then_some("--shadows straight");
+        effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
+        let spread = args.wavelengths.map(|_| "--wavelengths");
+        effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
+        let backend = backend(&args)?;
+        let name = match args.output {
+            Some(name) => name,
+            None => default_output(&args.scene)?,
+        };
+        refuse_input("-o", &name, [args.scene.as_path()])?;
+        let output = Destination::new(&name)?;
+        let format = format_of(&output)?;
+        if args.bits.is_some() && format != Format::Png {
+            return Err(Error::Usage(format!(
+                "--bits is for PNG; {} has samples of its own kind: leave it out, or end {} in .png",
+                format.name(),
+                name.display()
+            )));
+        }
+        let fixed = [
+            (Axis::Fresnel, args.fresnel.is_some()),
+            (Axis::Refraction, args.refraction.is_some()),
+            (Axis::Reflection, args.reflection.is_some()),
+            (Axis::Shadows, args.shadows.is_some()),
+            (Axis::Spheres, args.spheres.is_some()),
+            (Axis::Cutoff, args.cutoff.is_some() || args.cutoff_error.is_some()),
+            (Axis::Depth, args.depth.is_some()),
+            (Axis::Backend, args.backend.is_some() || matches!(backend, Backend::Walk(..))),
+            (Axis::Triangles, args.triangles.is_some()),
+            (Axis::Reciprocal, args.reciprocal.is_some()),
+        ];
+        if args.bvh.is_some() && backend == Backend::Reference {
+            return Err(Error::Usage(String::from("--bvh: the f64 renderer has no hierarchy to build; leave it out")));
+        }
+        let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
+        if wish.is_some() && backend == Backend::Reference {
+            return Err(Error::Usage(String::from(
+                "--backend reference: f64 is exact already; leave --max-error or --time-budget out",
+            )));
+        }
+        if let (Some(_), Some(left_out)) = (wish, effects.without.iter().next()) {
+            return Err(Error::Usage(format!(
+                "--{}: a budget is for the whole of a scene's effects; leave it out, or --max-error and --time-budget",
+                left_out.flag()
+            )));
+        }
+        Ok(Self {
+            scene: args.scene,
+            output,
+            format,
+            bits: match args.bits {
+                None | Some(BitsArg::Eight) => Bits::Eight,
+                Some(BitsArg::Sixteen) => Bits::Sixteen,
+            },
+            exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
+            overrides: Overrides {
+                width: args.width,
+                height: args.height,
+                samples: args.samples,
+                depth: args.depth,
+                cutoff: args.cutoff,
+                wavelengths: args.wavelengths,
+                shadows: args.shadows.map(Into::into),
+            },
+            spheres: args.spheres.unwrap_or(Spheres::Exact),
+            wish,
+            fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
+            backend,
+            bvh: quality(args.bvh),
+            options: render::Options {
+                fresnel: args.fresnel.unwrap_or(FresnelArg::Exact).into(),
+                refraction: args.refraction.unwrap_or(RefractionArg::Stable).into(),
+                oliveira: oliveira(args.refraction.unwrap_or(RefractionArg::Stable), args.oliveira)?,
+                reflection: match args.reflection {
+                    None | Some(ReflectionArg::Traced) => render::Reflection::Traced,
+                    Some(ReflectionArg::Environment) => render::Reflection::Environment,
+                    Some(ReflectionArg::None) => render::Reflection::None,
+                },
+                effects,
+                cutoff_error: args.cutoff_error,
+                threads: args.threads.unwrap_or(0) as usize,
+                tile: args.tile,
+            },
+            strict: args.strict,
+            json: args.json,
+            quiet: args.quiet,
+        })
+    }
+}
+
+/// What traces rays.
+///
+/// # Errors
+/// Usage, where a triangle test or a reciprocal is chosen for a back end that has its own; a limit, where this build has
+/// no Embree.
+fn backend(args: &RenderArgs) -> Result<Backend> {
+    let flag = match (args.triangles, args.reciprocal) {
+        (Some(_), _) => "--triangles",
+        (None, Some(_)) => "--reciprocal",
+        (None, None) => return Backend::choose(args.backend),
+    };
+    if let Some(given @ (BackendArg::Reference | BackendArg::Embree | BackendArg::EmbreeFast)) = args.backend {
+        let name = given.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+        return Err(Error::Usage(format!(
+            "{flag}: is a choice of the native hierarchy, --backend {name} has its own; leave one of them out"
+        )));
+    }
+    let triangles = args.triangles.map_or(TriangleModel::Watertight, Into::into);
+    Ok(Backend::Walk(triangles, args.reciprocal.map_or(ReciprocalModel::Exact, Into::into)))
+}
+
+impl From<TrianglesArg> for TriangleModel {
+    fn from(arg: TrianglesArg) -> Self {
+        match arg {
+            TrianglesArg::PlaneArea => Self::PlaneArea,
+            TrianglesArg::MollerTrumbore => Self::MollerTrumbore,
+            TrianglesArg::Pluecker => Self::Pluecker,
+            TrianglesArg::Watertight => Self::Watertight,
+            TrianglesArg::Certified => Self::Certified,
+        }
+    }
+}
+
+impl From<ReciprocalArg> for ReciprocalModel {
+    fn from(arg: ReciprocalArg) -> Self {
+        match arg {
+            ReciprocalArg::Exact => Self::Exact,
+            ReciprocalArg::Newton => Self::Newton,
+            ReciprocalArg::Estimate => Self::Estimate,
+        }
+    }
+}
+
+/// The scene's name with `.png`, in the current folder.
+fn default_output(scene: &Path) -> Result<PathBuf> {
+    match scene.file_stem() {
+        Some(stem) => {
+            let mut name = stem.to_os_string();
+            name.push(".png");
+            Ok(name.into())
+        }
+        None => Err(Error::Usage(format!("{}: no scene file; name one that ends in .toml or .obj", scene.display()))),
+    }
+}

@@ -1,0 +1,80 @@
+//! `vitrum verify`, checked.
+
+use std::path::PathBuf;
+
+use crate::cli::args::{BackendArg, GroupArg, PathArg, VerifyArgs};
+use crate::cli::backend::Backend;
+use crate::trial::verify::{self, Group};
+use crate::{Error, Result};
+
+/// Hard cases to be tried.
+#[derive(Debug)]
+pub(in crate::cli) struct Verify {
+    /// What to fire at; none for the built-in cases.
+    pub scene: Option<PathBuf>,
+    pub plan: verify::Plan,
+    pub native: bool,
+    /// Both modes of it. Only where built in.
+    pub embree: bool,
+    /// Worker threads; 0 is one a processor.
+    pub threads: usize,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+impl TryFrom<VerifyArgs> for Verify {
+    type Error = Error;
+
+    fn try_from(args: VerifyArgs) -> Result<Self> {
+        let embree = args.backend.contains(&PathArg::Embree);
+        if embree {
+            Backend::choose(Some(BackendArg::Embree))?;
+        }
+        let known: &[Group] = if args.scene.is_some() { &Group::OF_SCENE } else { &Group::ALL };
+        let mut groups: Vec<Group> = Vec::new();
+        for group in args.group.into_iter().map(Group::from) {
+            if !known.contains(&group) {
+                let names: Vec<&str> = known.iter().map(|g| g.name()).collect();
+                let what = if args.scene.is_some() { "a scene" } else { "no scene" };
+                return Err(Error::Usage(format!(
+                    "--group {}: with {what} the groups are {}",
+                    group.name(),
+                    names.join(", ")
+                )));
+            }
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        if groups.is_empty() {
+            groups = known.to_vec();
+        }
+        Ok(Self {
+            scene: args.scene,
+            plan: verify::Plan { groups, full: args.full },
+            native: args.backend.contains(&PathArg::Native),
+            embree,
+            threads: args.threads.unwrap_or(0) as usize,
+            json: args.json,
+            quiet: args.quiet,
+        })
+    }
+}
+
+impl From<GroupArg> for Group {
+    fn from(arg: GroupArg) -> Self {
+        match arg {
+            GroupArg::Leaks => Self::Leaks,
+            GroupArg::SelfHits => Self::SelfHits,
+            GroupArg::Fresnel => Self::Fresnel,
+            GroupArg::Refraction => Self::Refraction,
+            GroupArg::Reflection => Self::Reflection,
+            GroupArg::Matched => Self::Matched,
+            GroupArg::Lanes => Self::Lanes,
+            GroupArg::Traversal => Self::Traversal,
+            GroupArg::Builds => Self::Builds,
+            GroupArg::Chains => Self::Chains,
+            GroupArg::Parity => Self::Parity,
+        }
+    }
+}
