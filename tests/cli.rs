@@ -469,6 +469,9 @@ fn help_and_version_are_there() {
     place.run("--help").code(0).stdout(contains("130"));
     place.run("render --help").code(0).stdout(contains("Examples:").and(contains("scenes/glass.toml")));
     place.run("compare --help").code(0).stdout(contains("Examples:"));
+    for command in ["render", "bench", "parity", "verify", "price"] {
+        place.run(&format!("{command} --help")).code(0).stdout(contains("--bvh <BVH>"));
+    }
 }
 
 /// Case IO-18 of the catalogue.

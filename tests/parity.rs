@@ -392,8 +392,28 @@ fn the_command_tells_it_in_eighty_columns_and_as_json_of_a_stable_shape() {
 }
 
 #[test]
+fn the_command_finds_the_same_by_a_hierarchy_of_any_quality() {
+    let reports = ["fast", "default", "high"].map(|quality| {
+        let json = parity(&["scenes/hall.toml", "--rays", "200", "--width", "24", "--json", "--bvh", quality]).code(0);
+        let report: serde_json::Value = serde_json::from_slice(&json.get_output().stdout).expect("JSON");
+        assert_eq!((&report["bvh"], &report["native_wrong"]), (&quality.into(), &0.into()));
+        report
+    });
+    // Of native alone: Embree settles ties by the order that its own tree has them in.
+    let native = |report: &serde_json::Value, list: &str| {
+        let of_native = |row: &&serde_json::Value| row["contender"] == "native";
+        report[list].as_array().expect(list).iter().filter(of_native).cloned().collect::<Vec<_>>()
+    };
+    for list in ["rows", "pictures"] {
+        let [fast, default, high] = reports.each_ref().map(|report| native(report, list));
+        assert!(!default.is_empty() && fast == default && high == default, "{list}");
+    }
+}
+
+#[test]
 fn the_command_refuses_what_it_cannot_read() {
     parity(&["no/such/scene.toml"]).code(3);
     parity(&["scenes/hall.toml", "--rays", "0"]).code(2);
+    parity(&["scenes/hall.toml", "--bvh", "best"]).code(2);
     parity(&["README.md"]).code(2);
 }

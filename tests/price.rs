@@ -108,7 +108,8 @@ fn a_study_leaves_a_table_a_page_and_figures_and_goes_on_where_it_ended() {
             .map(|x| x.as_f64().unwrap());
         assert!(low <= median && median <= high);
         assert_eq!(row["ledger"]["non_finite"], 0);
-        assert!(row["command"].as_str().unwrap().starts_with("vitrum render '"));
+        let command = row["command"].as_str().unwrap();
+        assert!(command.starts_with("vitrum render '") && !command.contains("--bvh"), "{command}");
     }
     let error = |i: usize| report["rows"][i]["own"]["rmse"].as_f64().unwrap();
     assert!(error(0) < error(2) && error(2) < error(1), "off is worse than Schlick, Schlick than exact");
@@ -147,6 +148,27 @@ fn a_journal_that_was_cut_short_or_is_of_something_else_is_noticed() {
     study.command(&["--samples", "2"]).assert().code(2).stderr(contains("--fresh"));
     study.run(&["--samples", "2", "--axes", "fresnel", "--single", "--quiet", "--fresh"]);
     assert_eq!(study.report()["rows"][0]["levels"]["sampling"], "2x2");
+}
+
+#[test]
+fn a_hierarchy_built_otherwise_is_in_every_command_and_its_journal_is_not_gone_on_from_by_another() {
+    let study = Study::new();
+    let wish = ["--axes", "precision", "--single", "--quiet", "--bvh", "fast"];
+    study.run(&wish);
+    let report = study.report();
+    assert_eq!(names(&report), ["default", "precision f64"]);
+    let row = |i: usize| (report["rows"][i]["command"].as_str().unwrap(), report["rows"][i]["levels"]["bvh"].as_str());
+    assert!(row(0).0.ends_with("--backend native --bvh fast") && row(0).1 == Some("fast"), "{:?}", row(0));
+    // Which would be refused beside it.
+    assert!(row(1).0.ends_with("--backend reference"), "{:?}", row(1));
+
+    let before = study.journal();
+    study.run(&wish);
+    assert_eq!(study.journal(), before, "the same study goes on");
+    for other in [&["--bvh", "high"][..], &["--bvh", "default"], &[]] {
+        study.command(other).assert().code(2).stderr(contains("--fresh"));
+    }
+    assert_eq!(study.journal(), before);
 }
 
 #[test]
@@ -216,6 +238,7 @@ fn wrong_wishes_are_refused() {
         (["--limit", "soon"], "90s"),
         (["--size", "100"], "320x240"),
         (["--backend", "reference"], "held against"),
+        (["--bvh", "best"], "high"),
     ] {
         Command::cargo_bin("vitrum")
             .unwrap()
@@ -229,6 +252,12 @@ fn wrong_wishes_are_refused() {
             .stderr(contains(words));
     }
     assert!(!study.out().exists());
+    Command::cargo_bin("vitrum")
+        .unwrap()
+        .args(["price", "--formulas", "--bvh", "fast"])
+        .assert()
+        .code(2)
+        .stderr("error: --bvh: formulas have no hierarchy to build; leave it out\n");
     Command::cargo_bin("vitrum").unwrap().arg("price").arg(study.scene()).assert().code(2).stderr(contains("--output"));
     Command::cargo_bin("vitrum").unwrap().args(["price", "missing.toml", "-o"]).arg(study.out()).assert().code(3);
 }
@@ -276,8 +305,9 @@ fn a_bound_that_given_options_break_is_not_kept_and_says_so() {
 #[test]
 fn a_time_budget_takes_the_most_accurate_that_fits_or_the_fastest() {
     let study = Study::new();
-    let (summary, log, _) = budget(&study.scene(), &["--time-budget", "1h"]);
+    let (summary, log, _) = budget(&study.scene(), &["--time-budget", "1h", "--bvh", "fast"]);
     assert!(summary["budget"]["kept"] == true && log.contains("in time"), "{log}");
+    assert!(summary["budget"]["options"].as_str().unwrap().ends_with(" --bvh fast"), "{summary}");
     assert_eq!(summary["picture"]["fresnel"], "exact");
     let (summary, log, _) = budget(&study.scene(), &["--time-budget", "0.001ms"]);
     assert!(summary["budget"]["kept"] == false && log.contains("nothing fits"), "{log}");

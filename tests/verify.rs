@@ -9,8 +9,9 @@ use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
 use vitrum::Error;
 use vitrum::accel::native::{Native, Scratch};
-use vitrum::accel::{BuildStats, Coherence, Intersector};
-use vitrum::geometry::{Geometry, Hit, Hit8, Ray8};
+use vitrum::accel::{BuildQuality, BuildStats, Coherence, Intersector};
+use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8, Shape};
+use vitrum::load::shapes;
 use vitrum::render::Observer;
 use vitrum::simd::Mask8;
 use vitrum::trial::verify::{self, Candidate, Finding, Group, NativePath, Plan, Way};
@@ -19,7 +20,7 @@ fn quick(group: Group) {
     let plan = Plan { groups: vec![group], full: false };
     let observer = Observer::default();
     let mut findings = verify::fire_at_optics(&plan, &observer).expect("nobody interrupts a test");
-    findings.extend(verify::fire_at_path(&NativePath, &plan, &observer).expect("the native path is there"));
+    findings.extend(verify::fire_at_path(&NativePath::default(), &plan, &observer).expect("the native path is there"));
     assert_eq!(findings.len(), 1);
     for f in findings {
         println!("{:10} {:8} cases, worst {:?}, {:?}", group.name(), f.tally.cases, f.tally.worst, f.time);
@@ -75,6 +76,26 @@ fn garbage_is_built_into_sound_trees() {
 #[test]
 fn no_light_is_lost_in_long_chains() {
     quick(Group::Chains);
+}
+
+#[test]
+fn a_hierarchy_of_any_quality_holds() {
+    // Large enough that each quality makes another tree of it.
+    let ball = [Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE }];
+    let nodes = BuildQuality::ALL.map(|bvh| {
+        let ways = NativePath { bvh }.build(&ball).expect("the native path is there");
+        ways[0].accel.build_stats().nodes
+    });
+    assert!(nodes[0] != nodes[1] && nodes[1] != nodes[2] && nodes[2] != nodes[0], "{nodes:?}");
+    // All else tries the default.
+    for bvh in [BuildQuality::Fast, BuildQuality::High] {
+        let findings = verify::fire_at_path(&NativePath { bvh }, &Plan::quick(), &Observer::default());
+        let findings = findings.expect("the native path is there");
+        assert_eq!(findings.len(), 6);
+        for f in findings {
+            assert!(f.holds(), "{bvh:?}, {}: {:#?}", f.group.name(), f.tally);
+        }
+    }
 }
 
 /// The native path with something broken.
@@ -169,7 +190,7 @@ fn it_stops_when_told_to() {
     let observer = Observer::default();
     observer.stop.store(true, std::sync::atomic::Ordering::Relaxed);
     let plan = Plan::quick();
-    assert!(matches!(verify::fire_at_path(&NativePath, &plan, &observer), Err(Error::Interrupted)));
+    assert!(matches!(verify::fire_at_path(&NativePath::default(), &plan, &observer), Err(Error::Interrupted)));
     assert!(matches!(verify::fire_at_optics(&plan, &observer), Err(Error::Interrupted)));
 }
 
@@ -231,6 +252,21 @@ fn the_table_and_the_json_tell_of_each_group() {
 }
 
 #[test]
+fn the_quality_of_the_hierarchy_reaches_what_is_built_and_the_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = ["fast", "default", "high"].map(|quality| {
+        let output = vitrum(folder.path(), &format!("verify --group builds --json --bvh {quality}")).output().unwrap();
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!((json["bvh"].as_str(), json["holds"].as_bool()), (Some(quality), Some(true)), "{json}");
+        json["groups"][0]["worst"].as_f64().expect("bytes a triangle")
+    });
+    assert!(bytes[0] > bytes[1], "leaves are less full after a quick build: {bytes:?}");
+    std::fs::write(folder.path().join("open.obj"), MODEL).unwrap();
+    std::fs::write(folder.path().join("glass.mtl"), MATERIALS).unwrap();
+    vitrum(folder.path(), "verify open.obj --bvh fast").assert().code(0);
+}
+
+#[test]
 fn a_scene_is_fired_at_and_its_triangles_in_trouble_are_named() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("open.obj"), MODEL).unwrap();
@@ -267,6 +303,11 @@ fn what_cannot_be_run_is_refused() {
         .code(2)
         .stderr(contains("with a scene the groups are"));
     vitrum(folder.path(), "verify missing.toml").assert().code(3);
+    vitrum(folder.path(), "verify --group fresnel,matched --bvh high")
+        .assert()
+        .code(2)
+        .stderr("error: --bvh: formulas have no hierarchy to build; leave it out\n");
+    vitrum(folder.path(), "verify --bvh best").assert().code(2).stderr(contains("high"));
     if !cfg!(feature = "embree") {
         vitrum(folder.path(), "verify --backend embree").assert().code(4).stderr(contains("built without it"));
     }

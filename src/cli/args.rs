@@ -23,7 +23,7 @@ pub(super) use choices::{BackendArg, BvhArg, FresnelArg, RefractionArg, ShadowsA
 pub(super) use compare::CompareArgs;
 pub(super) use effects::EffectArgs;
 pub(super) use explain::ExplainArgs;
-pub(super) use formulas::{FormulasArgs, KindArg};
+pub(super) use formulas::KindArg;
 pub(super) use parity::ParityArgs;
 pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;

@@ -122,12 +122,7 @@ pub(super) fn trace(
         Backend::Embree(mode) => {
             use crate::accel::embree::{self, Embree};
             let threads = options.thread_count();
-            let quality = match bvh {
-                BuildQuality::Fast => embree::Quality::Low,
-                BuildQuality::Default => embree::Quality::Medium,
-                BuildQuality::High => embree::Quality::High,
-            };
-            let wish = embree::Options { mode, quality, threads, ..embree::Options::default() };
+            let wish = embree::Options { mode, quality: bvh.into(), threads, ..embree::Options::default() };
             let built = Embree::build(&scene.geometry, &wish)?;
             let [major, minor, patch] = built.library().version;
             let traced = with(built, start, scene, options, observer)?.0;

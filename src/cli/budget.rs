@@ -49,6 +49,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
         oliveira: job.options.oliveira,
         reflection: job.options.reflection,
         spheres: job.spheres,
+        bvh: job.bvh,
         ..Variant::of(&scene.settings, of_study(job.backend)?)
     };
     let given = job.options.cutoff_error.map_or(given, |error| given.with(Level::Proven(error)));

@@ -69,9 +69,7 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
         Command::Pixel(args) => pixel::run(&options::Pixel::try_from(args)?),
-        Command::Price(args) if args.formulas.formulas => {
-            formulas::run(&options::Formulas::new(&args.formulas, args.json))
-        }
+        Command::Price(args) if args.formulas.formulas => formulas::run(&options::Formulas::try_from(args)?),
         Command::Price(args) => price::run(options::Price::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }

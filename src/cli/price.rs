@@ -24,7 +24,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
     let subject = Subject {
         scene: &scene,
         path: &job.scene,
-        default: Variant::of(&scene.settings, job.backend),
+        default: Variant { bvh: job.bvh, ..Variant::of(&scene.settings, job.backend) },
         size: job.size,
         threads: job.threads,
         axes: job.axes.clone(),

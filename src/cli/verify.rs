@@ -24,6 +24,8 @@ struct Report {
     threads: usize,
     scene: Option<String>,
     full: bool,
+    /// How hierarchies were built.
+    bvh: &'static str,
     holds: bool,
     groups: Vec<Row>,
     /// What is wrong with the scene's triangles.
@@ -82,6 +84,7 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         threads: rayon::current_num_threads(),
         scene: job.scene.as_ref().map(|p| p.display().to_string()),
         full: job.plan.full,
+        bvh: job.bvh.name(),
         // Trouble with triangles is told, and no failure: a scene may well have them and be rendered right.
         holds: findings.iter().all(Finding::holds),
         groups: findings.iter().map(Row::of).collect(),
@@ -98,13 +101,13 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
 fn fire(job: &Verify, scene: Option<&Scene>, observer: &Observer) -> Result<Vec<Finding>> {
     let mut findings = if scene.is_none() { verify::fire_at_optics(&job.plan, observer)? } else { Vec::new() };
     if job.native {
-        findings.extend(fire_at(&NativePath, &job.plan, scene, observer)?);
+        findings.extend(fire_at(&NativePath { bvh: job.bvh }, &job.plan, scene, observer)?);
     }
     #[cfg(feature = "embree")]
     if job.embree {
         use crate::accel::embree::Mode;
         for mode in [Mode::Robust, Mode::Fast] {
-            findings.extend(fire_at(&verify::EmbreePath(mode), &job.plan, scene, observer)?);
+            findings.extend(fire_at(&verify::EmbreePath { mode, bvh: job.bvh }, &job.plan, scene, observer)?);
         }
     }
     // The paths of a group side by side, in the order asked for.
@@ -231,6 +234,7 @@ mod tests {
             threads: 2,
             scene: None,
             full: false,
+            bvh: "default",
             holds: finding.holds(),
             groups: vec![Row::of(&finding)],
             troubles: Vec::new(),

@@ -34,13 +34,14 @@ pub struct Shot {
 pub struct Engine<'a> {
     scene: &'a Scene,
     threads: usize,
-    /// One for each tessellation that was asked for.
+    /// One for each tessellation and each way to build that was asked for.
     stages: Vec<Stage>,
 }
 
 #[derive(Debug)]
 struct Stage {
     spheres: Spheres,
+    bvh: BuildQuality,
     scene: Scene,
     native: Option<Built<Native>>,
     /// By triangle test and reciprocal.
@@ -77,7 +78,7 @@ impl<'a> Engine<'a> {
     pub fn shoot(&mut self, variant: &Variant, observer: &Observer) -> Result<Shot> {
         let options = variant.options(self.threads);
         let threads = self.threads;
-        let stage = self.stage(variant.spheres);
+        let stage = self.stage(variant);
         stage.scene.settings = variant.settings(&stage.scene.settings);
         if let Some(choice) = variant.walk() {
             return stage.walked(choice, &options, observer);
@@ -93,7 +94,7 @@ impl<'a> Engine<'a> {
                 Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds, lanes: None })
             }
             (Precision::Single, Backend::Native) => {
-                let native = built(native, scene, || Ok(Native::build(&scene.geometry)))?;
+                let native = built(native, scene, || Ok(Native::build_as(&scene.geometry, variant.bvh)))?;
                 timed(scene, native, &options, observer)
             }
             #[cfg(feature = "embree")]
@@ -103,7 +104,8 @@ impl<'a> Engine<'a> {
                     Backend::EmbreeFast => (&mut stage.fast, Mode::Fast),
                     _ => (&mut stage.robust, Mode::Robust),
                 };
-                let build = embree::Options { mode, threads, ..embree::Options::default() };
+                let build =
+                    embree::Options { mode, quality: variant.bvh.into(), threads, ..embree::Options::default() };
                 let embree = built(slot, scene, || Embree::build(&scene.geometry, &build))?;
                 timed(scene, embree, &options, observer)
             }
@@ -117,10 +119,11 @@ impl<'a> Engine<'a> {
         }
     }
 
-    fn stage(&mut self, spheres: Spheres) -> &mut Stage {
-        let place = self.stages.iter().position(|s| s.spheres == spheres).unwrap_or_else(|| {
+    fn stage(&mut self, &Variant { spheres, bvh, .. }: &Variant) -> &mut Stage {
+        let place = self.stages.iter().position(|s| (s.spheres, s.bvh) == (spheres, bvh)).unwrap_or_else(|| {
             self.stages.push(Stage {
                 spheres,
+                bvh,
                 scene: with_spheres(self.scene, spheres),
                 native: None,
                 walks: Vec::new(),
@@ -145,9 +148,7 @@ impl Stage {
         let place = self.walks.iter().position(|(of, _)| *of == choice);
         let mut slot = place.map(|i| self.walks.swap_remove(i).1);
         let (test, reciprocal) = choice;
-        let walk = built(&mut slot, &self.scene, || {
-            Ok(Walk::build(&self.scene.geometry, BuildQuality::Default, test, reciprocal))
-        })?;
+        let walk = built(&mut slot, &self.scene, || Ok(Walk::build(&self.scene.geometry, self.bvh, test, reciprocal)))?;
         let before = walk.accel.inner().lanes();
         let shot = timed(&self.scene, walk, options, observer);
         let lanes = walk.accel.inner().lanes().since(before);
@@ -193,4 +194,39 @@ fn timed<I: Intersector>(scene: &Scene, built: &Built<I>, options: &Options, obs
     let start = Instant::now();
     let outcome = render(scene, &built.accel, options, observer)?;
     Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds: built.seconds, lanes: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Geometry, GeometryMask, Shape};
+    use crate::load::shapes;
+    use crate::scene::{Material, Medium, Object, Origin, Settings};
+
+    #[test]
+    fn every_hierarchy_is_built_as_the_variant_says_and_kept_apart() {
+        // Large enough that each quality makes another tree of it.
+        let ball = Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE };
+        let scene = Scene {
+            geometry: vec![ball],
+            objects: vec![Object { name: String::new(), material: 0, origin: Origin::default() }],
+            materials: vec![Material::black("black")],
+            media: vec![Medium::air()],
+            settings: Settings { width: 2, height: 2, samples: 1, ..Settings::default() },
+            ..Scene::default()
+        };
+        let mut engine = Engine::new(&scene, 1);
+        let default = Variant::of(&scene.settings, Backend::Native);
+        for bvh in BuildQuality::ALL.into_iter().chain(BuildQuality::ALL) {
+            for triangles in [None, Some(TriangleModel::Watertight)] {
+                engine.shoot(&Variant { bvh, triangles, ..default }, &Observer::default()).unwrap();
+            }
+        }
+        let want = BuildQuality::ALL.map(|bvh| Native::build_as(&scene.geometry, bvh).build_stats().nodes);
+        let native = |s: &Stage| s.native.as_ref().map_or(0, |built| built.accel.build_stats().nodes);
+        let walk = |s: &Stage| s.walks[0].1.accel.build_stats().nodes;
+        assert_eq!(engine.stages.iter().map(native).collect::<Vec<_>>(), want);
+        assert_eq!(engine.stages.iter().map(walk).collect::<Vec<_>>(), want);
+        assert!(want[0] != want[1] && want[1] != want[2] && want[2] != want[0], "{want:?}");
+    }
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::axis::{Axis, Backend, Level, Precision, Spheres};
+use crate::accel::BuildQuality;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::render::{Options, Reflection};
@@ -36,6 +37,8 @@ pub struct Variant {
     pub depth: u32,
     /// What finds hits, where `precision` is single.
     pub backend: Backend,
+    /// How much work building its hierarchy is worth: no axis, since the picture is the same.
+    pub bvh: BuildQuality,
     /// The ray/triangle test, where it is not the back end's own.
     pub triangles: Option<TriangleModel>,
     /// What one over a number is, where rays are traced.
@@ -61,6 +64,7 @@ impl Variant {
             proven: None,
             depth: settings.max_depth,
             backend,
+            bvh: BuildQuality::Default,
             triangles: None,
             reciprocal: ReciprocalModel::Exact,
             precision: Precision::Single,
@@ -194,6 +198,10 @@ impl Variant {
             }
             _ => format!("--backend {}", self.level(Axis::Backend)),
         });
+        // The f64 renderer has no hierarchy to build.
+        if self.bvh != BuildQuality::Default && self.precision == Precision::Single {
+            flags.push(format!("--bvh {}", self.bvh.name()));
+        }
         flags
     }
 
@@ -217,10 +225,14 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
+/// Beside the levels of all axes.
+const BVH: &str = "bvh";
+
 /// By the names of its levels.
 impl Serialize for Variant {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(Axis::ALL.map(|axis| (axis.name(), self.level(axis).to_string())))
+        let levels = Axis::ALL.map(|axis| (axis.name(), self.level(axis).to_string()));
+        serializer.collect_map(levels.into_iter().chain([(BVH, self.bvh.name().to_owned())]))
     }
 }
 
@@ -234,6 +246,11 @@ impl<'de> Deserialize<'de> for Variant {
                 .ok_or_else(|| serde::de::Error::custom(format!("{} has no level `{name}`", axis.name())))?;
             variant = variant.with(level);
         }
+        let name = names.get(BVH).ok_or_else(|| serde::de::Error::missing_field(BVH))?;
+        variant.bvh = BuildQuality::ALL
+            .into_iter()
+            .find(|quality| quality.name() == name)
+            .ok_or_else(|| serde::de::Error::custom(format!("{BVH} has no level `{name}`")))?;
         Ok(variant)
     }
 }
@@ -271,5 +288,20 @@ mod tests {
                 assert_eq!(serde_json::from_str::<Variant>(&text).unwrap(), variant);
             }
         }
+        for bvh in BuildQuality::ALL {
+            let variant = Variant { bvh, ..default() };
+            let text = serde_json::to_string(&variant).unwrap();
+            assert_eq!(serde_json::from_str::<Variant>(&text).unwrap(), variant);
+        }
+    }
+
+    #[test]
+    fn the_quality_of_a_hierarchy_is_told_where_there_is_one_and_it_is_not_the_default() {
+        let fast = Variant { bvh: BuildQuality::Fast, ..default() };
+        assert!(fast.to_string().ends_with("--backend native --bvh fast"), "{fast}");
+        assert!(fast.with(Level::Triangles(Some(TriangleModel::Pluecker))).to_string().ends_with(" --bvh fast"));
+        assert!(!default().to_string().contains("--bvh"));
+        assert!(fast.with(Level::Precision(Precision::Double)).to_string().ends_with("--backend reference"));
+        assert_eq!(fast.name(&fast), "default");
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::accel::BuildQuality;
+
 /// How a scene is built and traced. None of the choices but `mode` and `spheres` changes what is hit, ties apart.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
@@ -45,6 +47,17 @@ pub enum Quality {
     Medium = 1,
     /// With spatial splits; in robust mode Embree has none and builds as for `Medium`.
     High = 2,
+}
+
+impl From<BuildQuality> for Quality {
+    /// What stands in for a quality of the native hierarchy.
+    fn from(quality: BuildQuality) -> Self {
+        match quality {
+            BuildQuality::Fast => Self::Low,
+            BuildQuality::Default => Self::Medium,
+            BuildQuality::High => Self::High,
+        }
+    }
 }
 
 /// Embree's `frequency_level`, by which it chooses the width of its nodes.

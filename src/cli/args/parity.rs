@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
+use super::BvhArg;
+
 /// Trace the same rays by every path and judge what differs.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -32,6 +34,10 @@ pub(in crate::cli) struct ParityArgs {
     /// Rows of the picture [default: the scene's, at most 240]
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
     pub height: Option<u32>,
+
+    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
+    #[arg(long, value_enum)]
+    pub bvh: Option<BvhArg>,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]

@@ -6,8 +6,8 @@ use std::time::Duration;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, value_parser};
 
-use super::BackendArg;
 use super::formulas::FormulasArgs;
+use super::{BackendArg, BvhArg};
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
@@ -63,6 +63,10 @@ pub(in crate::cli) struct PriceArgs {
     /// The default back end [default: embree where it is there, else native]
     #[arg(long, value_enum)]
     pub backend: Option<BackendArg>,
+
+    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
+    #[arg(long, value_enum)]
+    pub bvh: Option<BvhArg>,
 
     /// Timed runs of each variant at most
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 15)]

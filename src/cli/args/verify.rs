@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, value_parser};
 
+use super::BvhArg;
+
 /// Fire the hard cases of numerics at this machine, or at a scene.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -28,6 +30,10 @@ pub(in crate::cli) struct VerifyArgs {
     /// Paths to try, side by side; embree is tried robust and fast
     #[arg(long, value_enum, value_delimiter = ',', default_value = "native")]
     pub backend: Vec<PathArg>,
+
+    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
+    #[arg(long, value_enum)]
+    pub bvh: Option<BvhArg>,
 
     /// Groups to run [default: all]
     #[arg(long, value_name = "NAME", value_enum, num_args = 1.., value_delimiter = ',')]

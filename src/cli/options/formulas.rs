@@ -1,7 +1,8 @@
 //! `vitrum price --formulas`, checked.
 
-use crate::cli::args::{FormulasArgs, KindArg};
+use crate::cli::args::{KindArg, PriceArgs};
 use crate::study::formulas::{Kind, Plan};
+use crate::{Error, Result};
 
 /// Formulas to be timed and judged.
 #[derive(Debug)]
@@ -11,12 +12,16 @@ pub(in crate::cli) struct Formulas {
     pub json: bool,
 }
 
-impl Formulas {
-    /// What was asked for.
-    pub fn new(args: &FormulasArgs, json: bool) -> Self {
+impl TryFrom<PriceArgs> for Formulas {
+    type Error = Error;
+
+    fn try_from(PriceArgs { formulas: args, bvh, json, .. }: PriceArgs) -> Result<Self> {
+        if bvh.is_some() {
+            return Err(Error::Usage(String::from("--bvh: formulas have no hierarchy to build; leave it out")));
+        }
         let asked = |kind: &Kind| args.of.is_empty() || args.of.iter().any(|&k| kind_of(k) == *kind);
         let kinds = Kind::ALL.into_iter().filter(asked).collect();
-        Self { plan: Plan { count: args.count as usize, time: !args.untimed, kinds }, csv: args.csv, json }
+        Ok(Self { plan: Plan { count: args.count as usize, time: !args.untimed, kinds }, csv: args.csv, json })
     }
 }
 

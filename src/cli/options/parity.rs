@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use super::SmallPicture;
+use super::choices::quality;
+use crate::accel::BuildQuality;
 use crate::cli::args::ParityArgs;
 
 /// Paths to be compared ray by ray.
@@ -12,6 +14,7 @@ pub(in crate::cli) struct Parity {
     /// Rays of each kind.
     pub rays: usize,
     pub picture: SmallPicture,
+    pub bvh: BuildQuality,
     /// 0 is one a processor.
     pub threads: usize,
     pub json: bool,
@@ -24,6 +27,7 @@ impl From<ParityArgs> for Parity {
             scene: args.scene,
             rays: args.rays as usize,
             picture: SmallPicture { width: args.width, height: args.height },
+            bvh: quality(args.bvh),
             threads: args.threads.unwrap_or(0) as usize,
             json: args.json,
             quiet: args.quiet,

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::super::args::{BackendArg, PriceArgs};
+use super::choices::quality;
+use crate::accel::BuildQuality;
 use crate::study::{Axis, Backend, engine};
 use crate::{Error, Result};
 
@@ -18,6 +20,7 @@ pub(in crate::cli) struct Price {
     pub samples: u32,
     /// The default variant's.
     pub backend: Backend,
+    pub bvh: BuildQuality,
     pub runs: usize,
     /// 0 is one a processor.
     pub threads: usize,
@@ -64,6 +67,7 @@ impl TryFrom<PriceArgs> for Price {
             size: args.size,
             samples: args.samples,
             backend,
+            bvh: quality(args.bvh),
             runs: args.runs as usize,
             threads: args.threads.unwrap_or(0) as usize,
             combine: !args.single,

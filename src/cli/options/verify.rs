@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::choices::quality;
+use crate::accel::BuildQuality;
 use crate::cli::args::{BackendArg, GroupArg, PathArg, VerifyArgs};
 use crate::cli::backend::Backend;
 use crate::trial::verify::{self, Group};
@@ -16,6 +18,7 @@ pub(in crate::cli) struct Verify {
     pub native: bool,
     /// Both modes of it. Only where built in.
     pub embree: bool,
+    pub bvh: BuildQuality,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
     pub json: bool,
@@ -49,11 +52,15 @@ impl TryFrom<VerifyArgs> for Verify {
         if groups.is_empty() {
             groups = known.to_vec();
         }
+        if args.bvh.is_some() && !groups.iter().any(|group| group.is_of_path()) {
+            return Err(Error::Usage(String::from("--bvh: formulas have no hierarchy to build; leave it out")));
+        }
         Ok(Self {
             scene: args.scene,
             plan: verify::Plan { groups, full: args.full },
             native: args.backend.contains(&PathArg::Native),
             embree,
+            bvh: quality(args.bvh),
             threads: args.threads.unwrap_or(0) as usize,
             json: args.json,
             quiet: args.quiet,

@@ -1,7 +1,8 @@
 //! Who is compared: the native path, and Embree in both its modes where it is there.
 
 use crate::Result;
-use crate::accel::{Unbounded, native::Native};
+use crate::accel::native::Native;
+use crate::accel::{BuildQuality, Unbounded};
 use crate::image::Film;
 use crate::render::{Observer, Options, render};
 use crate::scene::Scene;
@@ -9,6 +10,8 @@ use crate::trial::parity::{Answers, Set, ask};
 
 /// Every path over the same shapes, the native one first.
 pub(super) struct Contenders {
+    /// How they were built.
+    pub bvh: BuildQuality,
     native: Unbounded<Native>,
     #[cfg(feature = "embree")]
     embree: Vec<(&'static str, Unbounded<crate::accel::embree::Embree>)>,
@@ -18,22 +21,22 @@ pub(super) struct Contenders {
 
 impl Contenders {
     /// Builds all of them over the shapes of `scene`.
-    pub fn build(scene: &Scene, threads: usize) -> Self {
+    pub fn build(scene: &Scene, bvh: BuildQuality, threads: usize) -> Self {
         let geometry = &scene.geometry;
-        let native = Unbounded::new(Native::build(geometry), geometry);
+        let native = Unbounded::new(Native::build_as(geometry, bvh), geometry);
         #[cfg(feature = "embree")]
         {
-            let (embree, left_out) = match embree(scene, threads) {
+            let (embree, left_out) = match embree(scene, bvh, threads) {
                 Ok(embree) => (embree, None),
                 Err(e) => (Vec::new(), Some(e.to_string())),
             };
-            Self { native, embree, left_out }
+            Self { bvh, native, embree, left_out }
         }
         #[cfg(not(feature = "embree"))]
         {
             let _ = threads;
             let why = "this program was built without it; `cargo build --release --features embree` builds one with it";
-            Self { native, left_out: Some(why.into()) }
+            Self { bvh, native, left_out: Some(why.into()) }
         }
     }
 
@@ -71,14 +74,47 @@ impl Contenders {
 }
 
 #[cfg(feature = "embree")]
-fn embree(scene: &Scene, threads: usize) -> Result<Vec<(&'static str, Unbounded<crate::accel::embree::Embree>)>> {
+fn embree(
+    scene: &Scene,
+    bvh: BuildQuality,
+    threads: usize,
+) -> Result<Vec<(&'static str, Unbounded<crate::accel::embree::Embree>)>> {
     use crate::accel::embree::{Embree, Mode, Options};
 
     [("embree-robust", Mode::Robust), ("embree-fast", Mode::Fast)]
         .into_iter()
         .map(|(name, mode)| {
-            let options = Options { mode, threads, ..Options::default() };
+            let options = Options { mode, quality: bvh.into(), threads, ..Options::default() };
             Ok((name, Unbounded::new(Embree::build(&scene.geometry, &options)?, &scene.geometry)))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Intersector as _;
+    use crate::geometry::{Geometry, GeometryMask, Shape};
+    use crate::load::shapes;
+
+    #[test]
+    fn every_hierarchy_is_built_as_was_asked() {
+        // Large enough that each quality makes another tree of it.
+        let ball = Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE };
+        let scene = Scene { geometry: vec![ball], ..Scene::default() };
+        let built = BuildQuality::ALL.map(|bvh| Contenders::build(&scene, bvh, 1));
+        let nodes = [0, 1, 2].map(|i| built[i].native.build_stats().nodes);
+        assert_eq!(nodes, BuildQuality::ALL.map(|bvh| Native::build_as(&scene.geometry, bvh).build_stats().nodes));
+        assert!(nodes[0] != nodes[1] && nodes[1] != nodes[2] && nodes[2] != nodes[0], "{nodes:?}");
+        #[cfg(feature = "embree")]
+        {
+            if let Some(why) = &built[0].left_out {
+                assert!(std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none(), "{why}");
+                return;
+            }
+            // The spatial splits of its fast mode show; LOW and MEDIUM take as many bytes.
+            let bytes = [1, 2].map(|i| built[i].embree[1].1.build_stats().bytes);
+            assert!(bytes[0] < bytes[1], "{bytes:?}");
+        }
+    }
 }

@@ -32,7 +32,7 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     backend::start_threads(&options)?;
 
     let reference = Reference::build(&scene.geometry);
-    let contenders = Contenders::build(&scene, options.thread_count());
+    let contenders = Contenders::build(&scene, job.bvh, options.thread_count());
     let sets = sets(&reference, &scene.geometry, &view::of(&scene), job.rays);
     let prepared = Prepared::new(&scene, FresnelModel::Exact);
 

@@ -32,6 +32,8 @@ pub(super) struct Report {
     planes: u64,
     /// Rays asked for, of each kind.
     rays: usize,
+    /// How the hierarchies were built.
+    bvh: &'static str,
     contenders: Vec<&'static str>,
     left_out: Vec<LeftOut>,
     rows: Vec<Row>,
@@ -170,6 +172,7 @@ impl Report {
             spheres: shapes.spheres,
             planes: shapes.planes,
             rays: job.rays,
+            bvh: contenders.bvh.name(),
             contenders: names,
             left_out: contenders.left_out.iter().map(|w| LeftOut { contender: "embree", why: w.clone() }).collect(),
             rows,
@@ -378,6 +381,7 @@ impl Example {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::BuildQuality;
     use crate::cli::args::{Cli, Command};
     use crate::trial::parity::Finding;
 
@@ -386,7 +390,7 @@ mod tests {
         let Command::Parity(args) = <Cli as clap::Parser>::parse_from(["vitrum", "parity", "a.toml"]).command else {
             unreachable!("parity was asked for")
         };
-        let (job, contenders) = (Parity::from(args), Contenders::build(&Scene::default(), 1));
+        let (job, contenders) = (Parity::from(args), Contenders::build(&Scene::default(), BuildQuality::Default, 1));
         let set = Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new() };
         let count = contenders.names().len();
         let mut records = vec![Records::default(); count];

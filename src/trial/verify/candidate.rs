@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::accel::native::{Kernel, Native, Scratch};
-use crate::accel::{BuildStats, Coherence, Intersector, Unbounded};
+use crate::accel::{BuildQuality, BuildStats, Coherence, Intersector, Unbounded};
 use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8};
 use crate::simd::Mask8;
 
@@ -60,8 +60,11 @@ impl<I: Intersector> Way<I> {
 }
 
 /// The native path: ray by ray, in packets, and as it would choose itself.
-#[derive(Clone, Copy, Debug)]
-pub struct NativePath;
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NativePath {
+    /// How its hierarchy is built.
+    pub bvh: BuildQuality,
+}
 
 /// The native accelerator, held to one kernel.
 #[derive(Clone, Debug)]
@@ -98,7 +101,7 @@ impl Candidate for NativePath {
     }
 
     fn build(&self, geometry: &[Geometry]) -> Result<Vec<Way<Self::Accel>>> {
-        let native = Arc::new(Native::build(geometry));
+        let native = Arc::new(Native::build_as(geometry, self.bvh));
         let way = |(name, kernel)| {
             let held = Held { native: Arc::clone(&native), kernel };
             Way { name, accel: Unbounded::new(held, geometry) }
@@ -109,21 +112,26 @@ impl Candidate for NativePath {
     }
 
     fn validate(&self, geometry: &[Geometry]) -> std::result::Result<(), String> {
-        Native::build(geometry).validate(geometry)
+        Native::build_as(geometry, self.bvh).validate(geometry)
     }
 }
 
 /// Embree, robust or fast: by calls of one ray, of eight and of sixteen.
 #[cfg(feature = "embree")]
 #[derive(Clone, Copy, Debug)]
-pub struct EmbreePath(pub crate::accel::embree::Mode);
+pub struct EmbreePath {
+    /// Robust or fast.
+    pub mode: crate::accel::embree::Mode,
+    /// How its scenes are built: as by its own quality that stands in for this one.
+    pub bvh: BuildQuality,
+}
 
 #[cfg(feature = "embree")]
 impl Candidate for EmbreePath {
     type Accel = Unbounded<crate::accel::embree::Embree>;
 
     fn name(&self) -> &'static str {
-        match self.0 {
+        match self.mode {
             crate::accel::embree::Mode::Robust => "embree robust",
             crate::accel::embree::Mode::Fast => "embree fast",
         }
@@ -139,7 +147,8 @@ impl Candidate for EmbreePath {
             .into_iter()
             .map(|(name, width)| {
                 // The batches are what is spread over threads.
-                let options = Options { mode: self.0, width, threads: 1, ..Options::default() };
+                let (mode, quality) = (self.mode, self.bvh.into());
+                let options = Options { mode, quality, width, threads: 1, ..Options::default() };
                 let accel = Unbounded::new(Embree::build(geometry, &options)?, geometry);
                 Ok(Way { name, accel })
             })
