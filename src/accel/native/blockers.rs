@@ -2,8 +2,7 @@
 //! costs (Ize and Hansen 2011, "RTSAH Traversal Order for Occlusion Rays"). The order is that of the slots, so that it
 //! costs a traversal nothing.
 
-use arrayvec::ArrayVec;
-
+use super::beam::greatest;
 use super::bvh8::{Child, Node8};
 use crate::math::Real;
 use crate::simd::F32x8;
@@ -22,53 +21,52 @@ struct Odds {
 pub(super) fn put_last(nodes: &mut [Node8], covers: &[f32]) {
     let mut known = vec![Odds { blocked: 0.0, visits: 0.0 }; nodes.len()];
     for here in (0..nodes.len()).rev() {
-        let areas = half_areas(&nodes[here]).to_array();
-        let odds = |child: Child, area: f32| match child {
-            // A convex body throws a shadow of a quarter of its surface, averaged over all directions.
-            _ if child.is_leaf() => Odds { blocked: (covers[child.index()] / area).min(1.0), visits: 1.0 },
-            _ => known[child.index()],
-        };
-        let children = nodes[here].children;
-        let mut order: ArrayVec<(Odds, usize), 8> = children
-            .iter()
-            .zip(areas)
-            .take_while(|(child, _)| **child != Child::NONE)
-            .enumerate()
-            .map(|(slot, (&child, area))| (odds(child, area), slot))
-            .collect();
-        let worth = |o: &Odds| o.blocked / o.visits;
-        order.sort_unstable_by(|(a, i), (b, j)| worth(a).total_cmp(&worth(b)).then(i.cmp(j)));
+        let node = &nodes[here];
+        let areas = half_areas(node).to_array();
+        let mut odds = [Odds { blocked: 0.0, visits: 1.0 }; 8];
+        // What a child is worth, with its slot in the lowest bits; absent ones stay last.
+        let mut order = [u64::MAX; 8];
+        let mut count = 0;
+        while count < 8 && node.children[count] != Child::NONE {
+            let child = node.children[count];
+            odds[count] = if child.is_leaf() {
+                // A convex body throws a shadow of a quarter of its surface, averaged over all directions.
+                Odds { blocked: (covers[child.index()] / areas[count]).min_or(1.0), visits: 1.0 }
+            } else {
+                known[child.index()]
+            };
+            // Numbers that are not negative are in the order of their bits.
+            let worth = (odds[count].blocked / odds[count].visits).to_bits();
+            order[count] = u64::from(worth) << 3 | count as u64;
+            count += 1;
+        }
+        order.sort_unstable();
+        let slots = order.map(|o| (o & 7) as usize);
 
-        let own = whole_half_area(&nodes[here]);
+        let own = whole_half_area(node);
         let (mut open, mut visits) = (1.0, 1.0);
-        for (odds, slot) in order.iter().rev() {
-            let met = (areas[*slot] / own).min(1.0);
-            visits += open * met * odds.visits;
-            open *= 1.0 - met * odds.blocked;
+        for &slot in slots[..count].iter().rev() {
+            let met = (areas[slot] / own).min_or(1.0);
+            visits += open * met * odds[slot].visits;
+            open *= 1.0 - met * odds[slot].blocked;
         }
         known[here] = Odds { blocked: 1.0 - open, visits };
-        nodes[here].reorder(order.iter().map(|(_, slot)| *slot));
+        nodes[here].reorder(slots);
     }
-}
-
-fn half(x: F32x8, y: F32x8, z: F32x8) -> F32x8 {
-    x * (y + z) + y * z
 }
 
 /// Half the surface of each box.
 fn half_areas(node: &Node8) -> F32x8 {
-    let [x, y, z] = node.planes;
-    half(x[1] - x[0], y[1] - y[0], z[1] - z[0])
+    let span = |axis: usize| node.planes[axis][1] - node.planes[axis][0];
+    let (x, y, z) = (span(0), span(1), span(2));
+    x * (y + z) + y * z
 }
 
 /// Half the surface of the box around all of them.
 fn whole_half_area(node: &Node8) -> f32 {
-    let [x, y, z] = node.planes.map(|[lo, hi]| {
-        let (lo, hi) = (lo.to_array(), hi.to_array());
-        let lowest = lo.into_iter().fold(f32::INFINITY, |a, b| a.min_or(b));
-        F32x8::from(hi.into_iter().fold(f32::NEG_INFINITY, |a, b| a.max_or(b)) - lowest)
-    });
-    half(x, y, z).lane(0)
+    let span = |axis: usize| greatest(node.planes[axis][1]) + greatest(-node.planes[axis][0]);
+    let (x, y, z) = (span(0), span(1), span(2));
+    x * (y + z) + y * z
 }
 
 #[cfg(test)]

@@ -76,15 +76,13 @@ impl Node8 {
         planes.chain(self.children.map(|c| c.0)).chain(self.order)
     }
 
-    /// Moves the boxes, with what is in them, so that those come first that stood in `slots`, which are all that hold
-    /// something.
-    pub fn reorder(&mut self, slots: impl Iterator<Item = usize>) {
-        let old = *self;
-        for (to, from) in slots.enumerate() {
-            self.children[to] = old.children[from];
-            for (planes, old) in self.planes.iter_mut().flatten().zip(old.planes.iter().flatten()) {
-                planes.set_lane(to, old.lane(from));
-            }
+    /// Moves the boxes, with what is in them, so that they come in the order in which `slots` name where they were; those
+    /// that hold something stay before the others.
+    pub fn reorder(&mut self, slots: [usize; 8]) {
+        self.children = slots.map(|from| self.children[from & 7]);
+        for planes in self.planes.iter_mut().flatten() {
+            let old = planes.to_array();
+            *planes = F32x8::new(slots.map(|from| old[from & 7]));
         }
     }
 

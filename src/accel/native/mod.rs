@@ -173,8 +173,11 @@ impl Native {
 
 /// Swaps the largest to the front, where a packet that asks for any hit tries it first.
 fn largest_first<T>(primitives: &mut [T], size: impl Fn(&T) -> f32) {
-    let larger = |m: usize, i: usize| if size(&primitives[i]) > size(&primitives[m]) { i } else { m };
-    let largest = (0..primitives.len()).fold(0, larger);
+    let (mut largest, mut most) = (0, f32::NEG_INFINITY);
+    for (i, primitive) in primitives.iter().enumerate() {
+        let size = size(primitive);
+        (largest, most) = if size > most { (i, size) } else { (largest, most) };
+    }
     primitives.swap(0, largest);
 }
 

@@ -15,7 +15,7 @@ use crate::geometry::{Geometry, Hit, Ray, Shape, TriMesh, intersect_triangle};
 /// Scenes of odd meshes.
 const SCENES: usize = 20;
 /// Batches a scene is spread over.
-const PARTS: usize = 2;
+const PARTS: usize = 8;
 
 pub(super) const BATCHES: usize = SCENES * PARTS;
 
