@@ -282,7 +282,11 @@ fn a_bound_on_the_error_is_kept_and_told_with_its_reasons() {
         let spent = &summary["budget"];
         assert_eq!(spent["kept"], true);
         let check = &spent["steps"].as_array().unwrap().last().unwrap()["check"];
-        assert!(check["asked"].as_u64().unwrap() > 500 && check["wrong"].as_array().unwrap().is_empty());
+        assert!(
+            check["examined"] == true
+                && check["asked"].as_u64().unwrap() > 500
+                && check["wrong"].as_array().unwrap().is_empty()
+        );
         assert!(check["worst"].as_f64().unwrap() <= check["bound"].as_f64().unwrap());
         for pixel in check["ill"].as_array().unwrap() {
             assert!(pixel["moves_at_ulps"].as_f64().unwrap() > 0.0, "each is shown to be so: {pixel}");
@@ -311,6 +315,13 @@ fn a_time_budget_takes_the_most_accurate_that_fits_or_the_fastest() {
     assert_eq!(summary["picture"]["fresnel"], "exact");
     let (summary, log, _) = budget(&study.scene(), &["--time-budget", "0.001ms"]);
     assert!(summary["budget"]["kept"] == false && log.contains("nothing fits"), "{log}");
+    // To ask each pixel for its condition would take far longer than the budget.
+    let check = &summary["budget"]["steps"][0]["check"];
+    assert!(check["examined"] == false && check["asked"].as_u64() > Some(500), "{check}");
+    for list in ["ill", "wrong"] {
+        assert!(check[list].as_array().is_some_and(Vec::is_empty), "{check}");
+    }
+    assert!(log.contains(&format!(", {} beyond ", check["beyond"])), "{log}");
     Command::cargo_bin("vitrum")
         .unwrap()
         .arg("render")

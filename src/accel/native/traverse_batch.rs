@@ -16,10 +16,11 @@ use crate::geometry::Hit8;
 /// Rays that each octant of a batch has room for.
 const ROOM: usize = 8 * STRETCH;
 
-/// Rays that wait to be traced together, by octant, and room for the work.
+/// Rays that wait to be traced together, by octant, and room for the work: 400 kB an octant, made when the first ray comes,
+/// since a small picture sends few rays into few octants.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    octants: [Rays; 8],
+    octants: [Option<Box<Rays>>; 8],
     lists: [Lists; 8],
 }
 
@@ -76,7 +77,7 @@ impl Batch {
         let ((hot, turned), dirs) = (rays.split(), rays.directions());
         let octants = rays.octants();
         each(lanes, |i| {
-            let to = &mut self.octants[usize::from(octants[i] & 7)];
+            let to = self.octants[usize::from(octants[i] & 7)].get_or_insert_default();
             let id = to.count & (ROOM - 1);
             to.count = id + 1;
             to.hot[id] = hot[i];
@@ -89,7 +90,7 @@ impl Batch {
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.octants.iter().all(|of_octant| of_octant.count == 0)
+        self.octants.iter().flatten().all(|of_octant| of_octant.count == 0)
     }
 
     /// Takes the nearest hits into what is known of the rays.
@@ -133,12 +134,13 @@ impl Batch {
         }
         let Self { octants, lists } = self;
         for (lists, rays) in lists.iter_mut().zip(&*octants) {
-            lists.start(tree.root, rays.count);
+            lists.start(tree.root, rays.as_ref().map_or(0, |rays| rays.count));
         }
         let mut more = true;
         while more {
             more = false;
             for (o, (lists, rays)) in lists.iter_mut().zip(&mut *octants).enumerate() {
+                let Some(rays) = rays else { continue };
                 more |= lists.step::<L, NEAREST>(tree, o, rays, &mut leaf);
             }
         }
@@ -147,7 +149,7 @@ impl Batch {
     /// Writes what was found, and is empty again.
     #[inline(always)]
     pub fn finish(&mut self, hits: &mut [Hit8]) {
-        for Rays { count, best, owner, .. } in &mut self.octants {
+        for Rays { count, best, owner, .. } in self.octants.iter_mut().flatten().map(Box::as_mut) {
             for (owner, found) in owner.iter().zip(&**best).take(*count) {
                 if found.is_hit() {
                     hits[usize::from(owner >> 3)].set_lane(usize::from(owner & 7), &found.hit());
@@ -160,7 +162,7 @@ impl Batch {
     /// Marks the rays that were blocked, a byte a packet, and is empty again.
     #[inline(always)]
     pub fn finish_blocked(&mut self, blocked: &mut [u8]) {
-        for Rays { count, hot, owner, .. } in &mut self.octants {
+        for Rays { count, hot, owner, .. } in self.octants.iter_mut().flatten().map(Box::as_mut) {
             for (owner, hot) in owner.iter().zip(&**hot).take(*count) {
                 blocked[usize::from(owner >> 3)] |= u8::from(hot.t_max == f32::NEG_INFINITY) << (owner & 7);
             }

@@ -134,8 +134,9 @@ pub fn choose(
     for &axis in fixed {
         base = base.with(default.level(axis));
     }
-    let of_base = quick.measure(&base)?;
+    let mut of_base = quick.measure(&base)?;
     let mut alone: Vec<Alone> = Vec::new();
+    let mut nearest = of_base.clone();
     let (singles, _) = plan::singles(scene, &base, &free);
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
         // The picture is held against light without polarisation, and a proof costs more than the base's own cut-off.
@@ -145,6 +146,10 @@ pub fn choose(
         }
         let candidate = quick.measure(&variant)?;
         let Some(what) = variant.apart_from(&base).first().copied() else { continue };
+        if let Wish::Time(t) = wish {
+            let apart = |c: &Candidate| (c.seconds / t.as_secs_f64()).ln().abs();
+            nearest = if apart(&candidate) < apart(&nearest) { candidate.clone() } else { nearest };
+        }
         alone.push(Alone {
             axis: what.axis().name(),
             level: what.to_string(),
@@ -154,17 +159,32 @@ pub fn choose(
             rmse: candidate.rmse,
         });
     }
+    if matches!(wish, Wish::Time(_)) {
+        let economy = quick.learn_from_larger(scene, &nearest)?;
+        of_base = Candidate { seconds: of_base.seconds * economy, slowest: of_base.slowest * economy, ..of_base };
+    }
     let predicted = combinations(&of_base, &alone);
     let mut tried = vec![of_base.clone()];
+    // How much longer than predicted combinations turned out to take that were too slow.
+    let mut slower = 1.0_f64;
     for p in promising(&predicted, wish) {
-        if p.variant == base {
+        let hopeless = matches!(wish, Wish::Time(t) if p.seconds * slower > OF_THE_TIME * t.as_secs_f64());
+        if p.variant == base || hopeless {
             continue;
         }
-        tried.push(quick.measure(&p.variant)?);
+        let candidate = quick.measure(&p.variant)?;
+        if !keeps(&candidate, wish) {
+            slower = slower.max(candidate.slowest / p.seconds);
+        }
+        tried.push(candidate);
         // The most promising come first.
         if tried.len() > TRIED || (tried.len() > TRIED / 3 && tried.iter().any(|c| keeps(c, wish))) {
             break;
         }
+    }
+    let fastest = predicted.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    if let (Wish::Time(_), Some(fastest), false) = (wish, fastest, tried.iter().any(|c| keeps(c, wish))) {
+        tried.push(quick.measure(&fastest.variant)?);
     }
     let double = Candidate {
         seconds: of_base.seconds * quick.double_ratio(),

@@ -44,7 +44,12 @@ pub(super) struct Judged<'q> {
     condition: Condition<'q>,
     tolerance: f64,
     base_seconds: Option<f64>,
+    /// A pixel's time in the whole picture over that in the small one, where the work comes in shorter streams.
+    economy: f64,
 }
+
+/// How many times larger the picture is that tells the [`Judged::economy`].
+const LARGER: f64 = 16.0;
 
 impl<'a> Quick<'a> {
     /// A picture of the scene as small as `exact` can be rendered in a second or two.
@@ -84,6 +89,7 @@ impl<'a> Quick<'a> {
             quick: self,
             tolerance,
             base_seconds: None,
+            economy: 1.0,
         }
     }
 }
@@ -99,6 +105,21 @@ impl Judged<'_> {
         self.base_seconds.map_or(10.0, |base| self.quick.double_seconds / base)
     }
 
+    /// Learns from a picture of `scene` some times larger what a small one says too much or too little, from here on; by what
+    /// times measured until now are to be multiplied.
+    pub fn learn_from_larger(&mut self, scene: &Scene, of: &Candidate) -> Result<f64> {
+        let [whole, small] = [scene, &self.quick.small].map(pixels);
+        let mut larger = scene.clone();
+        [larger.settings.width, larger.settings.height] = fit(&scene.settings, (small * LARGER).min(whole));
+        let engine = &mut Engine::new(&larger, self.quick.threads);
+        let variant = Variant { samples: 1, ..of.variant };
+        engine.shoot(&variant, self.quick.observer)?;
+        let seconds = engine.shoot(&variant, self.quick.observer)?.seconds;
+        let before = of.seconds / self.quick.scale / small;
+        self.economy = seconds / pixels(&larger) / before;
+        Ok(self.economy)
+    }
+
     /// Makes a variant's small picture, some times, and judges it.
     pub fn measure(&mut self, variant: &Variant) -> Result<Candidate> {
         let small = Variant { samples: 1, ..*variant };
@@ -112,7 +133,7 @@ impl Judged<'_> {
         let [median, slowest] = [runs[RUNS / 2], runs[RUNS - 1]];
         self.base_seconds.get_or_insert(median);
         let (max, rmse) = self.judge(&shot.outcome.film)?;
-        let [seconds, slowest] = [median, slowest].map(|seconds| seconds * self.quick.scale);
+        let [seconds, slowest] = [median, slowest].map(|seconds| seconds * self.quick.scale * self.economy);
         Ok(Candidate { variant: *variant, seconds, slowest, max, rmse })
     }
 

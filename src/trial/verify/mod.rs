@@ -153,6 +153,8 @@ fn in_batches(batches: usize, observer: &Observer, batch: &(dyn Fn(usize) -> Res
     let done = AtomicU64::new(0);
     let tallies: Vec<Tally> = (0..batches)
         .into_par_iter()
+        // Some take a hundred times as long as others, so that each must be there to be taken by whoever is idle.
+        .with_max_len(1)
         .map(|i| {
             if observer.stop.load(Ordering::Relaxed) {
                 return Err(Error::Interrupted);
