@@ -12,6 +12,10 @@ use crate::simd::{F32x8, Mask8, prefetch};
 /// Packets of a tile.
 pub(super) const TILE: usize = 8;
 
+/// Leaves that a beam may meet before it counts as wide: where triangles are smaller than the gaps between its rays, most
+/// of what it meets none of them does.
+const PATIENCE: u32 = 4;
+
 /// Rays of one packet that share an octant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group {
@@ -98,6 +102,7 @@ fn walk<L: Leaf, const NEAREST: bool>(
     let mut farthest = farthest_of(groups);
     stack[0] = Entry { enter: f32::NEG_INFINITY, child: tree.root, lanes: live };
     let mut top = 1;
+    let mut patience = PATIENCE * live.count_ones();
     while top > 0 {
         top -= 1;
         let Entry { enter, child, lanes } = stack[top];
@@ -111,6 +116,10 @@ fn walk<L: Leaf, const NEAREST: bool>(
         if child.is_leaf() {
             let leaf = &tree.leaves[child.index()];
             let boxes = leaf.boxes();
+            patience = patience.saturating_sub(met.count_ones());
+            if patience == 0 {
+                groups.iter_mut().for_each(|group| group.wide = true);
+            }
             each(met, |g| {
                 let group = &mut groups[g];
                 let (slots, _) = group.beam.meet(&boxes, octant);
