@@ -11,6 +11,7 @@ mod parity;
 mod pixel;
 mod price;
 mod render;
+mod settings;
 mod verify;
 
 use std::sync::LazyLock;
@@ -28,6 +29,7 @@ pub(super) use parity::ParityArgs;
 pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
 pub(super) use render::{BitsArg, ReciprocalArg, ReflectionArg, RenderArgs, TrianglesArg};
+pub(super) use settings::SettingsArgs;
 pub(super) use verify::{GroupArg, PathArg, VerifyArgs};
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));

@@ -3,6 +3,7 @@
 //! costs a traversal nothing.
 
 use super::beam::greatest;
+use super::bvh2::half_area;
 use super::bvh8::{Child, Node8};
 use crate::math::Real;
 use crate::simd::F32x8;
@@ -58,15 +59,13 @@ pub(super) fn put_last(nodes: &mut [Node8], covers: &[f32]) {
 /// Half the surface of each box.
 fn half_areas(node: &Node8) -> F32x8 {
     let span = |axis: usize| node.planes[axis][1] - node.planes[axis][0];
-    let (x, y, z) = (span(0), span(1), span(2));
-    x * (y + z) + y * z
+    half_area(span(0), span(1), span(2))
 }
 
 /// Half the surface of the box around all of them.
 fn whole_half_area(node: &Node8) -> f32 {
     let span = |axis: usize| greatest(node.planes[axis][1]) + greatest(-node.planes[axis][0]);
-    let (x, y, z) = (span(0), span(1), span(2));
-    x * (y + z) + y * z
+    half_area(span(0), span(1), span(2))
 }
 
 #[cfg(test)]

@@ -92,9 +92,14 @@ impl Bounds {
     pub fn half_area(&self) -> f32 {
         let [a, b, c, _, d, e, f, _] = self.0.to_array();
         let length = |lo: f32, negated_hi: f32| (-negated_hi - lo).max_or(0.0);
-        let (x, y, z) = (length(a, d), length(b, e), length(c, f));
-        x * (y + z) + y * z
+        half_area(length(a, d), length(b, e), length(c, f))
     }
+}
+
+/// Half the surface of a box with these edges.
+#[inline(always)]
+pub(super) fn half_area<R: Real>(x: R, y: R, z: R) -> R {
+    x * (y + z) + y * z
 }
 
 /// What a visit to a node of eight costs, in visits to a leaf.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::bvh2::{Bounds, LEAF_SIZE, PrimRef};
+use super::bvh2::{Bounds, LEAF_SIZE, PrimRef, half_area};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8};
 
@@ -190,8 +190,7 @@ fn blocks(count: i32) -> i32 {
 fn half_areas(rooms: [F32x8; 8]) -> F32x8 {
     let [a, b, c, _, d, e, f, _] = F32x8::transpose(rooms);
     let length = |lo: F32x8, negated_hi: F32x8| (F32x8::ZERO - (lo + negated_hi)).max_or(F32x8::ZERO);
-    let (x, y, z) = (length(a, d), length(b, e), length(c, f));
-    x * (y + z) + y * z
+    half_area(length(a, d), length(b, e), length(c, f))
 }
 
 /// The cheapest division by the surface area heuristic; `None` where every bin border leaves one side empty or costs

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum, value_parser};
 
-use super::numbers::{above_minus_one, above_zero, bound, cutoff, exposure};
-use super::{BackendArg, BvhArg, EffectArgs, FresnelArg, RefractionArg, ShadowsArg, price};
+use super::numbers::{above_minus_one, above_zero, bound, exposure};
+use super::{BackendArg, BvhArg, EffectArgs, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg, price};
 use crate::study::Spheres;
 
 /// Render a scene file or an OBJ model to a picture.
@@ -34,17 +34,8 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 
-    /// Columns of the picture
-    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536), help_heading = "Picture")]
-    pub width: Option<u32>,
-
-    /// Rows of the picture
-    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536), help_heading = "Picture")]
-    pub height: Option<u32>,
-
-    /// N by N rays a pixel; 1 is its centre
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Picture")]
-    pub samples: Option<u32>,
+    #[command(flatten)]
+    pub settings: SettingsArgs,
 
     /// Bits of a PNG's samples [default: 8]
     #[arg(long, value_enum, help_heading = "Picture")]
@@ -53,18 +44,6 @@ pub(in crate::cli) struct RenderArgs {
     /// Multiply all colours by 2 to the power EV
     #[arg(long, value_name = "EV", value_parser = exposure, allow_negative_numbers = true, help_heading = "Picture")]
     pub exposure: Option<f32>,
-
-    /// How often a ray may reflect or refract
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=4096), help_heading = "Light")]
-    pub depth: Option<u32>,
-
-    /// End rays whose weight is below this, 0 to 1
-    #[arg(long, value_name = "WEIGHT", value_parser = cutoff, allow_negative_numbers = true, help_heading = "Light")]
-    pub cutoff: Option<f32>,
-
-    /// Wavelengths that white light divides into where a medium disperses it
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(7..=64), help_heading = "Light")]
-    pub wavelengths: Option<u32>,
 
     /// End rays by proof: what is cut changes no channel of any pixel by more than E
     #[arg(long, value_name = "E", value_parser = above_zero, allow_negative_numbers = true, conflicts_with = "cutoff",

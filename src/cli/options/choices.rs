@@ -54,6 +54,11 @@ pub(super) fn oliveira(formula: RefractionArg, c: Option<f64>) -> Result<Oliveir
     }
 }
 
+/// Why `--bvh` is refused for those who "have" or "has" none.
+pub(super) fn no_hierarchy(who_have: &str) -> Error {
+    Error::Usage(format!("--bvh: {who_have} no hierarchy to build; leave it out"))
+}
+
 pub(super) fn quality(arg: Option<BvhArg>) -> BuildQuality {
     match arg {
         Some(BvhArg::Fast) => BuildQuality::Fast,

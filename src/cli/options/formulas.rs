@@ -1,5 +1,6 @@
 //! `vitrum price --formulas`, checked.
 
+use super::choices::no_hierarchy;
 use crate::cli::args::{KindArg, PriceArgs};
 use crate::study::formulas::{Kind, Plan};
 use crate::{Error, Result};
@@ -17,7 +18,7 @@ impl TryFrom<PriceArgs> for Formulas {
 
     fn try_from(PriceArgs { formulas: args, bvh, json, .. }: PriceArgs) -> Result<Self> {
         if bvh.is_some() {
-            return Err(Error::Usage(String::from("--bvh: formulas have no hierarchy to build; leave it out")));
+            return Err(no_hierarchy("formulas have"));
         }
         let asked = |kind: &Kind| args.of.is_empty() || args.of.iter().any(|&k| kind_of(k) == *kind);
         let kinds = Kind::ALL.into_iter().filter(asked).collect();

@@ -1,5 +1,6 @@
 //! What becomes of the settings that a scene gives its picture.
 
+use crate::cli::args::{SettingsArgs, ShadowsArg};
 use crate::scene::{Settings, ShadowRule};
 use crate::{Error, Result};
 
@@ -9,16 +10,22 @@ const MOST_PIXELS: u64 = 1 << 27;
 /// Settings of the scene that the command line replaces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cli) struct Overrides {
-    pub(super) width: Option<u32>,
-    pub(super) height: Option<u32>,
-    pub(super) samples: Option<u32>,
-    pub(super) depth: Option<u32>,
-    pub(super) cutoff: Option<f32>,
-    pub(super) shadows: Option<ShadowRule>,
-    pub(super) wavelengths: Option<u32>,
+    width: Option<u32>,
+    height: Option<u32>,
+    samples: Option<u32>,
+    depth: Option<u32>,
+    cutoff: Option<f32>,
+    shadows: Option<ShadowRule>,
+    wavelengths: Option<u32>,
 }
 
 impl Overrides {
+    /// As typed.
+    pub fn new(args: SettingsArgs, shadows: Option<ShadowsArg>) -> Self {
+        let SettingsArgs { width, height, samples, depth, cutoff, wavelengths } = args;
+        Self { width, height, samples, depth, cutoff, shadows: shadows.map(Into::into), wavelengths }
+    }
+
     /// Replaces what was given.
     ///
     /// # Errors

@@ -52,15 +52,7 @@ impl TryFrom<PixelArgs> for Pixel {
             least: args.least,
             svg,
             json: args.json,
-            overrides: Overrides {
-                width: args.width,
-                height: args.height,
-                samples: args.samples,
-                depth: args.depth,
-                cutoff: args.cutoff,
-                wavelengths: args.wavelengths,
-                shadows: args.shadows.map(Into::into),
-            },
+            overrides: Overrides::new(args.settings, args.shadows),
             backend,
             options: render::Options {
                 fresnel: args.fresnel.into(),

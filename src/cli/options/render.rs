@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum as _;
 
-use super::choices::{oliveira, quality};
+use super::choices::{no_hierarchy, oliveira, quality};
 use super::{Overrides, effects, format_of, refuse_input};
 use crate::accel::BuildQuality;
 use crate::accel::native::TriangleModel;
@@ -66,7 +66,7 @@ impl TryFrom<RenderArgs> for Render {
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
         let straight = matches!(args.shadows, Some(ShadowsArg::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
-        let spread = args.wavelengths.map(|_| "--wavelengths");
+        let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
         let backend = backend(&args)?;
         let name = match args.output {
@@ -89,14 +89,14 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Reflection, args.reflection.is_some()),
             (Axis::Shadows, args.shadows.is_some()),
             (Axis::Spheres, args.spheres.is_some()),
-            (Axis::Cutoff, args.cutoff.is_some() || args.cutoff_error.is_some()),
-            (Axis::Depth, args.depth.is_some()),
+            (Axis::Cutoff, args.settings.cutoff.is_some() || args.cutoff_error.is_some()),
+            (Axis::Depth, args.settings.depth.is_some()),
             (Axis::Backend, args.backend.is_some() || matches!(backend, Backend::Walk(..))),
             (Axis::Triangles, args.triangles.is_some()),
             (Axis::Reciprocal, args.reciprocal.is_some()),
         ];
         if args.bvh.is_some() && backend == Backend::Reference {
-            return Err(Error::Usage(String::from("--bvh: the f64 renderer has no hierarchy to build; leave it out")));
+            return Err(no_hierarchy("the f64 renderer has"));
         }
         let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
         if wish.is_some() && backend == Backend::Reference {
@@ -119,15 +119,7 @@ impl TryFrom<RenderArgs> for Render {
                 Some(BitsArg::Sixteen) => Bits::Sixteen,
             },
             exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
-            overrides: Overrides {
-                width: args.width,
-                height: args.height,
-                samples: args.samples,
-                depth: args.depth,
-                cutoff: args.cutoff,
-                wavelengths: args.wavelengths,
-                shadows: args.shadows.map(Into::into),
-            },
+            overrides: Overrides::new(args.settings, args.shadows),
             spheres: args.spheres.unwrap_or(Spheres::Exact),
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::choices::quality;
+use super::choices::{no_hierarchy, quality};
 use crate::accel::BuildQuality;
 use crate::cli::args::{BackendArg, GroupArg, PathArg, VerifyArgs};
 use crate::cli::backend::Backend;
@@ -53,7 +53,7 @@ impl TryFrom<VerifyArgs> for Verify {
             groups = known.to_vec();
         }
         if args.bvh.is_some() && !groups.iter().any(|group| group.is_of_path()) {
-            return Err(Error::Usage(String::from("--bvh: formulas have no hierarchy to build; leave it out")));
+            return Err(no_hierarchy("formulas have"));
         }
         Ok(Self {
             scene: args.scene,

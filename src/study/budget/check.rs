@@ -76,13 +76,11 @@ pub fn check(
         Ok(Beyond { x, y, off, moves_at_ulps })
     };
     let found: Vec<Beyond> = pixels.par_iter().map(ask).collect::<Result<_>>()?;
-    let (beyond, within): (Vec<_>, Vec<_>) = found.into_iter().partition(|p| p.off > bound);
+    let excused = |p: &Beyond| p.moves_at_ulps.is_some();
+    let worst = found.iter().filter(|p| !excused(p)).map(|p| p.off).fold(0.0, f64::max);
+    let beyond: Vec<Beyond> = found.into_iter().filter(|p| p.off > bound).collect();
     let count = beyond.len();
-    let (ill, mut wrong): (Vec<_>, Vec<_>) = beyond.into_iter().partition(|p| p.moves_at_ulps.is_some());
-    let worst = within.iter().chain(&wrong).map(|p| p.off).fold(0.0, f64::max);
-    if !examined {
-        wrong.clear();
-    }
+    let (ill, wrong) = if examined { beyond.into_iter().partition(excused) } else { Default::default() };
     Ok(Check { asked: pixels.len(), bound, worst, beyond: count, examined, ill, wrong })
 }
 

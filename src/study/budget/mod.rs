@@ -43,6 +43,16 @@ pub enum Wish {
     Time(Duration),
 }
 
+impl Wish {
+    /// Seconds that a picture may be predicted to take, from its slowest run.
+    fn seconds(self) -> f64 {
+        match self {
+            Self::MaxError(_) => f64::INFINITY,
+            Self::Time(t) => OF_THE_TIME * t.as_secs_f64(),
+        }
+    }
+}
+
 /// Choices that were made and measured on the small picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Candidate {
@@ -168,8 +178,7 @@ pub fn choose(
     // How much longer than predicted combinations turned out to take that were too slow.
     let mut slower = 1.0_f64;
     for p in promising(&predicted, wish) {
-        let hopeless = matches!(wish, Wish::Time(t) if p.seconds * slower > OF_THE_TIME * t.as_secs_f64());
-        if p.variant == base || hopeless {
+        if p.variant == base || p.seconds * slower > wish.seconds() {
             continue;
         }
         let candidate = quick.measure(&p.variant)?;
@@ -183,7 +192,8 @@ pub fn choose(
         }
     }
     let fastest = predicted.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    if let (Wish::Time(_), Some(fastest), false) = (wish, fastest, tried.iter().any(|c| keeps(c, wish))) {
+    let fastest = fastest.filter(|f| tried.iter().all(|c| c.variant != f.variant && !keeps(c, wish)));
+    if let (Wish::Time(_), Some(fastest)) = (wish, fastest) {
         tried.push(quick.measure(&fastest.variant)?);
     }
     let double = Candidate {
@@ -208,7 +218,7 @@ pub fn choose(
 fn keeps(c: &Candidate, wish: Wish) -> bool {
     match wish {
         Wish::MaxError(e) => c.max <= MARGIN * e,
-        Wish::Time(t) => c.slowest <= OF_THE_TIME * t.as_secs_f64(),
+        Wish::Time(_) => c.slowest <= wish.seconds(),
     }
 }
 
@@ -243,8 +253,8 @@ fn promising(all: &[Predicted], wish: Wish) -> Vec<Predicted> {
             sorted.retain(|p| p.max <= 2.0 * MARGIN * e);
             sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds).then(a.max.total_cmp(&b.max)));
         }
-        Wish::Time(t) => {
-            let limit = OF_THE_TIME * t.as_secs_f64();
+        Wish::Time(_) => {
+            let limit = wish.seconds();
             if sorted.iter().any(|p| p.seconds <= limit) {
                 sorted.retain(|p| p.seconds <= 1.15 * limit);
                 sorted.sort_by(|a, b| a.squares.total_cmp(&b.squares).then(a.seconds.total_cmp(&b.seconds)));
