@@ -158,7 +158,7 @@ impl<R: Real> Edges<R> {
     pub fn weigh_by(&self, reciprocal: impl Fn(R) -> R) -> Weights<R> {
         let [eu, ev, ew] = self.value;
         let sum = eu + ev + ew;
-        let least = eu.abs().min_or(ev.abs().min_or(ew.abs()));
+        let least = eu.least_magnitude(ev).least_magnitude(ew);
         let doubtful = least.eq(R::zero()) | sum.abs().lt(R::splat(SMALL_SUM));
         let scale = reciprocal(sum);
         let (first, u, v) = (eu * scale, ev * scale, ew * scale);
@@ -177,10 +177,9 @@ impl<R: Real> Edges<R> {
     #[inline(always)]
     pub fn may_lie_within(&self, weights: &Weights<R>, ray: &ShearedRay<R>, t_min: R, t_max: R) -> R::Mask {
         let [a, b, c] = &self.corners;
-        let product = |p: R, q: R| (p * q).abs();
-        let most = product(c.x, b.y).max_or(product(c.y, b.x)).max_or(product(a.x, c.y));
-        let most = most.max_or(product(a.y, c.x).max_or(product(b.x, a.y)).max_or(product(b.y, a.x)));
-        let far = a.z.abs().max_or(b.z.abs()).max_or(c.z.abs());
+        let most = (c.x * b.y).greatest_magnitude(c.y * b.x).greatest_magnitude(a.x * c.y);
+        let most = most.greatest_magnitude((a.y * c.x).greatest_magnitude(b.x * a.y).greatest_magnitude(b.y * a.x));
+        let far = a.z.greatest_magnitude(b.z).greatest_magnitude(c.z);
         let share = most.fma(weights.scale.abs(), R::one());
         let room = (far * R::splat(BEYOND)).fma(share, R::splat(f64::from(f32::MIN_POSITIVE)));
         let (start, end) = (t_min * ray.dz, t_max * ray.dz);

@@ -118,6 +118,16 @@ pub trait Real:
     fn max_or(self, other: Self) -> Self {
         Self::select(other.lt(self), self, other)
     }
+    /// The smaller of the two magnitudes; where one is NaN, either of them.
+    #[inline(always)]
+    fn least_magnitude(self, other: Self) -> Self {
+        self.abs().min_or(other.abs())
+    }
+    /// The larger of the two magnitudes; where one is NaN, either of them.
+    #[inline(always)]
+    fn greatest_magnitude(self, other: Self) -> Self {
+        self.abs().max_or(other.abs())
+    }
     /// `self * self`.
     #[inline(always)]
     fn squared(self) -> Self {

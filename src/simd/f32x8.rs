@@ -3,7 +3,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::Mask8;
+use super::{Mask8, magnitude};
 use crate::math::{self, Binary32, Real};
 
 /// Eight `f32` numbers, one a lane; 32 bytes, aligned to 32.
@@ -166,6 +166,14 @@ impl Real for F32x8 {
     #[inline(always)]
     fn max_or(self, other: Self) -> Self {
         if cfg!(target_arch = "x86_64") { Self(self.0.fast_max(other.0)) } else { other.lt(self).select(self, other) }
+    }
+    #[inline(always)]
+    fn least_magnitude(self, other: Self) -> Self {
+        magnitude::least(self, other)
+    }
+    #[inline(always)]
+    fn greatest_magnitude(self, other: Self) -> Self {
+        magnitude::greatest(self, other)
     }
     #[inline(always)]
     fn exp(self) -> Self {

@@ -3,6 +3,7 @@
 
 mod f32x8;
 pub mod level;
+mod magnitude;
 mod mask8;
 mod memory;
 mod reciprocal;

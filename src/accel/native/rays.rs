@@ -114,11 +114,11 @@ impl Way8 {
         F32x8::ZERO.le(self.t_min).bits() & lanes
     }
 
-    /// The lanes that meet any box in the root of a tree.
+    /// Those of `lanes` that meet any box in the root of a tree.
     #[inline(always)]
-    pub fn reach<L>(&self, tree: &Bvh8<L>) -> u8 {
+    pub fn reach<L>(&self, tree: &Bvh8<L>, lanes: u8) -> u8 {
         if tree.root.is_leaf() {
-            return if tree.root == Child::NONE { 0 } else { self.lanes };
+            return if tree.root == Child::NONE { 0 } else { lanes };
         }
         let planes = &tree.nodes[tree.root.index()].planes;
         let mut reached = 0;
@@ -129,8 +129,11 @@ impl Way8 {
             };
             let (enter, leave) = self.slab.clip(corner(0), corner(1), self.t_min, self.t_max);
             reached |= enter.le(leave).bits();
+            if reached & lanes == lanes {
+                break;
+            }
         }
-        reached & self.lanes
+        reached & lanes
     }
 
     /// Of the boxes in `boxes`, those that a ray of `lanes` meets before `t_max`. All of them run into `octant`.

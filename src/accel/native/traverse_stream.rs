@@ -183,9 +183,9 @@ impl Trees<'_> {
     /// Takes those of `lanes` that may meet something into the batch.
     #[inline(always)]
     fn gather(&self, batch: &mut Batch, way: &Way8, packet: usize, lanes: u8) {
-        let mut reached = lanes & way.reach(self.triangles);
+        let mut reached = way.reach(self.triangles, lanes);
         if self.any_sphere() {
-            reached |= lanes & way.reach(self.spheres);
+            reached |= way.reach(self.spheres, lanes);
         }
         batch.push(way, packet, reached);
     }
