@@ -68,9 +68,9 @@ impl Reach {
         if scene.objects.len() > MOST_OBJECTS {
             return reach;
         }
-        let Some(scale) = scale(scene) else { return reach };
+        let boxes = boxes(scene);
+        let Some(scale) = scale(scene, &boxes) else { return reach };
         let views = starts(scene);
-        let boxes: Vec<Option<Aabb>> = scene.geometry.iter().map(|geometry| bounds_of(&geometry.shape)).collect();
         let planes: Vec<usize> =
             (0..scene.objects.len()).filter(|&o| matches!(scene.geometry[o].shape, Shape::Plane(_))).collect();
         for wall in 0..scene.objects.len() {
@@ -176,8 +176,13 @@ fn comes_from_beyond(shell: &Shell, direction: Vec3, seen: Side) -> bool {
 
 /// Whether camera rays all start outside a closed shell.
 pub(super) fn is_seen_from_outside(scene: &Scene, shell: &Shell) -> bool {
-    let Some(scale) = scale(scene) else { return false };
+    let Some(scale) = scale(scene, &boxes(scene)) else { return false };
     starts(scene).iter().all(|&p| shell.side_of_point(p, scale) == Side::Outside)
+}
+
+/// By object: a box around it.
+fn boxes(scene: &Scene) -> Vec<Option<Aabb>> {
+    scene.geometry.iter().map(|geometry| bounds_of(&geometry.shape)).collect()
 }
 
 /// None for a plane, which is on both sides of everything.
@@ -199,13 +204,12 @@ fn may_hold_anything(scene: &Scene, wall: usize, boxes: &[Option<Aabb>]) -> bool
 }
 
 /// The largest coordinate of anything bounded; none where some are not finite.
-fn scale(scene: &Scene) -> Option<f64> {
+fn scale(scene: &Scene, boxes: &[Option<Aabb>]) -> Option<f64> {
     let mut most = starts(scene).iter().fold(Vec3::ZERO, |most, p| most.max(p.abs()));
-    for geometry in &scene.geometry {
+    for (geometry, bounds) in scene.geometry.iter().zip(boxes) {
         let bounds = match &geometry.shape {
-            Shape::Mesh(mesh) => Aabb::of(&mesh.positions),
-            Shape::Sphere(sphere) => sphere.bounds(),
             Shape::Plane(plane) => Aabb { lo: plane.point, hi: plane.point },
+            Shape::Mesh(_) | Shape::Sphere(_) => (*bounds)?,
         };
         if !bounds.is_empty() {
             most = most.max(bounds.lo.abs()).max(bounds.hi.abs());

@@ -37,18 +37,24 @@ impl Accumulator {
     }
 
     /// Adds radiance to the pixels of the lanes in `lanes`.
-    #[inline]
     pub fn add_radiance8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
         self.add8(lanes, pixel, radiance, |sum| &mut sum.radiance);
     }
 
+    /// Adds the radiance of many packets, as [`Self::add_radiance8`] does of one.
+    pub fn add_radiance<'a>(&mut self, packets: impl Iterator<Item = (u8, &'a [u32; 8], &'a Rgb8)>) {
+        for (lanes, pixel, radiance) in packets {
+            self.add8(lanes, pixel, radiance, |sum| &mut sum.radiance);
+        }
+    }
+
     /// Adds the weight of ended rays to the pixels of the lanes in `lanes`.
-    #[inline]
     pub fn add_truncated8(&mut self, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
         self.add8(lanes, pixel, weight, |sum| &mut sum.truncated);
     }
 
-    #[inline]
+    // In line in the three above, and these nowhere: a loop over packets is then not one over calls.
+    #[inline(always)]
     fn add8(&mut self, lanes: u8, pixel: &[u32; 8], value: &Rgb8, field: impl Fn(&mut PixelSum) -> &mut [i128; 3]) {
         // Zero adds nothing, and much of what comes here is zero; NaN is not zero.
         let zero = (value.x.eq(Real::zero()) & value.y.eq(Real::zero()) & value.z.eq(Real::zero())).bits();

@@ -22,9 +22,8 @@ impl<I: Intersector> Worker<'_, I> {
         chunk.clear();
         self.shading.shadows.take(usize::MAX, &mut chunk);
         self.trace_shadows(&mut chunk, depth, coherence);
-        for (ray, state) in chunk.rays.iter().zip(&chunk.states) {
-            self.shading.accumulator.add_radiance8(ray.active, &state.pixel, &state.weight);
-        }
+        let packets = chunk.rays.iter().zip(&chunk.states);
+        self.shading.accumulator.add_radiance(packets.map(|(ray, state)| (ray.active, &state.pixel, &state.weight)));
         self.shadow_chunk = chunk;
     }
 

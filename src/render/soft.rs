@@ -285,14 +285,15 @@ fn settle<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
             let sent = shine.point::<PHYSICAL, SHINY>(&shading.points, i);
             shading.accumulator.add_radiance8(sent.lanes & clear, &surface.pixel, &sent.light);
             let new = shine.ray(shading, &sent);
-            shading.shadows.push8(sent.lanes & !clear & !blocked, &new);
+            // Penumbras seldom take up all eight lanes.
+            shading.shadows.push_in_order(sent.lanes & !clear & !blocked, &new);
         }
     }
 }
 
 impl Probes {
     fn push8(&mut self, lanes: u8, new: &Spawn8, surface: usize, counts: bool) {
-        self.queue.push8(lanes, new);
+        self.queue.push_in_order(lanes, new);
         let asker = |lane| Asker { place: (surface * 8 + lane) as u32, counts };
         self.askers.extend(super::accumulate::set_lanes(lanes).map(asker));
     }

@@ -52,7 +52,7 @@ pub struct Surface8 {
 /// Place of a hit in a chunk: packet times eight plus lane.
 pub type HitRef = u32;
 
-/// Fills the list with the surfaces of a stream of hits, eight to each.
+/// Fills the list with the surfaces of a stream of hits, in ascending order, eight to each.
 pub type GatherStage = fn(&Scene, &Chunk, &[Hit8], &[HitRef], &mut Vec<Surface8>);
 
 /// Shapes that a stream of hits may hold.
@@ -105,10 +105,19 @@ fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLA
     refs: &[HitRef],
     surfaces: &mut Vec<Surface8>,
 ) {
+    debug_assert!(refs.is_sorted_by(|a, b| a < b), "places ascend");
     surfaces.clear();
     for eight in refs.chunks(8) {
         surfaces.push(Surface8::gather::<MESHES, SMOOTH, SPHERES, PLANES>(scene, chunk, hits, eight));
     }
+}
+
+/// The packet whose eight lanes these places are, in order; none where they are not all of one.
+#[inline(always)]
+fn whole_packet(refs: &[HitRef]) -> Option<usize> {
+    // Places ascend, so that between the first and the last of eight there is room for no others.
+    let &[first, .., last] = refs else { return None };
+    (refs.len() == 8 && first % 8 == 0 && last == first + 7).then_some(first as usize / 8)
 }
 
 impl Surface8 {
@@ -122,20 +131,27 @@ impl Surface8 {
     ) -> Self {
         let mut incident = Vec3x8::splat(Vec3::Z);
         let (mut origin, mut weight, mut t) = (incident, incident, F32x8::ZERO);
-        let (mut hit, mut material, mut pixel) = ([Hit::MISS; 8], [0; 8], [0; 8]);
+        let (mut hit, mut pixel) = ([Hit::MISS; 8], [0; 8]);
         let (mut stack, mut passes) = ([StackId::default(); 8], [0; 8]);
-        for k in 0..8 {
-            let r = refs[k.min(refs.len() - 1)] as usize;
-            let (packet, lane) = (r >> 3, r & 7);
+        if let Some(packet) = whole_packet(refs) {
             let (ray, state) = (&chunk.rays[packet], &chunk.states[packet]);
-            incident.set_lane(k, ray.dir.lane(lane));
-            origin.set_lane(k, ray.origin.lane(lane));
-            weight.set_lane(k, state.weight.lane(lane));
-            (pixel[k], stack[k], passes[k]) = (state.pixel[lane], state.stack[lane], state.passes[lane]);
-            hit[k] = hits[packet].lane(lane);
-            t.set_lane(k, hit[k].t);
-            material[k] = scene.objects[hit[k].geometry as usize].material;
+            (incident, origin, weight, t) = (ray.dir, ray.origin, state.weight, hits[packet].t);
+            (pixel, stack, passes) = (state.pixel, state.stack, state.passes);
+            hit = std::array::from_fn(|k| hits[packet].lane(k));
+        } else {
+            for k in 0..8 {
+                let r = refs[k.min(refs.len() - 1)] as usize;
+                let (packet, lane) = (r >> 3, r & 7);
+                let (ray, state) = (&chunk.rays[packet], &chunk.states[packet]);
+                incident.set_lane(k, ray.dir.lane(lane));
+                origin.set_lane(k, ray.origin.lane(lane));
+                weight.set_lane(k, state.weight.lane(lane));
+                (pixel[k], stack[k], passes[k]) = (state.pixel[lane], state.stack[lane], state.passes[lane]);
+                hit[k] = hits[packet].lane(lane);
+                t.set_lane(k, hit[k].t);
+            }
         }
+        let material = hit.map(|hit| scene.objects[hit.geometry as usize].material);
         let place = Place::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
 
         // The geometric normal decides the side; both normals then face the ray.

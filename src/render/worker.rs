@@ -250,13 +250,25 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.misses.clear();
         self.bins.iter_mut().for_each(Vec::clear);
         for (packet, (ray, hit)) in chunk.rays.iter().zip(hits).enumerate() {
-            for lane in set_lanes(ray.active) {
-                let place = (packet * 8 + lane) as HitRef;
-                match self.bin_of.get(hit.geometry[lane] as usize) {
-                    Some(&bin) => self.bins[bin as usize].push(place),
-                    None => self.misses.push(place),
+            let first = (packet * 8) as HitRef;
+            // Neighbours mostly meet the same object.
+            if ray.active == u8::MAX && hit.geometry == [hit.geometry[0]; 8] {
+                let places: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
+                self.places_on(hit.geometry[0]).extend_from_slice(&places);
+            } else {
+                for lane in set_lanes(ray.active) {
+                    self.places_on(hit.geometry[lane]).push(first + lane as HitRef);
                 }
             }
+        }
+    }
+
+    /// The list of places on an object, and on what is shaded with it; that of misses, where it is none.
+    #[inline(always)]
+    fn places_on(&mut self, object: u32) -> &mut Vec<HitRef> {
+        match self.bin_of.get(object as usize) {
+            Some(&bin) => &mut self.bins[bin as usize],
+            None => &mut self.misses,
         }
     }
 }
