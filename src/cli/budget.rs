@@ -150,7 +150,8 @@ fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
             format!("{:<10} {predicted}: the least error whose slowest run ({slowest:.3} s) fits {t:.3} s", "predicted")
         }
         (Wish::Time(t), false) => {
-            format!("{:<10} {predicted}: nothing fits {:.3} s, this is the fastest", "predicted", t.as_secs_f64())
+            let t = t.as_secs_f64();
+            format!("{:<10} {predicted}: nothing fits {t:.3} s with room to spare, this is the fastest", "predicted")
         }
     });
     for axis in Axis::ALL {

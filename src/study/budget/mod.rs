@@ -20,7 +20,7 @@ use crate::Result;
 use crate::optics::FresnelModel;
 use crate::render::Observer;
 use crate::scene::Scene;
-use quick::Quick;
+use quick::{Judged, Quick};
 
 /// Part of the wished error that the small picture may use up: it has fewer pixels to be wrong in.
 const MARGIN: f64 = 0.5;
@@ -30,6 +30,9 @@ const OF_THE_TIME: f64 = 0.85;
 
 /// Combinations that are made, at most.
 const TRIED: usize = 24;
+
+/// Larger pictures that times are learnt from, at most: from that of what looked best by the one before.
+const LARGER: usize = 4;
 
 /// Times that are this close count as equal, so that noise decides nothing: the more exact wins.
 const CLOSE: f64 = 0.07;
@@ -109,6 +112,8 @@ pub struct Choice {
 struct Predicted {
     variant: Variant,
     seconds: f64,
+    /// Of the levels that cut rays, the least part of the base's time that one leaves, and the product of all of them.
+    cut: [f64; 2],
     max: f64,
     squares: f64,
 }
@@ -144,7 +149,7 @@ pub fn choose(
     for &axis in fixed {
         base = base.with(default.level(axis));
     }
-    let mut of_base = quick.measure(&base)?;
+    let of_base = quick.measure(&base)?;
     let mut alone: Vec<Alone> = Vec::new();
     let mut nearest = of_base.clone();
     let (singles, _) = plan::singles(scene, &base, &free);
@@ -169,33 +174,26 @@ pub fn choose(
             rmse: candidate.rmse,
         });
     }
-    if matches!(wish, Wish::Time(_)) {
-        let economy = quick.learn_from_larger(scene, &nearest)?;
-        of_base = Candidate { seconds: of_base.seconds * economy, slowest: of_base.slowest * economy, ..of_base };
-    }
-    let predicted = combinations(&of_base, &alone);
-    let mut tried = vec![of_base.clone()];
-    // How much longer than predicted combinations turned out to take that were too slow.
-    let mut slower = 1.0_f64;
-    for p in promising(&predicted, wish) {
-        if p.variant == base || p.seconds * slower > wish.seconds() {
-            continue;
+    let mut tried = vec![of_base];
+    if let Wish::Time(t) = wish {
+        let mut slower = 1.0;
+        for _ in 0..LARGER {
+            let economy = quick.learn_from_larger(scene, &nearest, t.as_secs_f64())?;
+            for c in &mut tried {
+                (c.seconds, c.slowest) = (c.seconds * economy, c.slowest * economy);
+            }
+            slower = try_out(&mut tried, &alone, wish, slower, &mut quick)?;
+            let best = best(&tried, wish).0.clone();
+            if best.variant == nearest.variant {
+                break;
+            }
+            nearest = best;
         }
-        let candidate = quick.measure(&p.variant)?;
-        if !keeps(&candidate, wish) {
-            slower = slower.max(candidate.slowest / p.seconds);
-        }
-        tried.push(candidate);
-        // The most promising come first.
-        if tried.len() > TRIED || (tried.len() > TRIED / 3 && tried.iter().any(|c| keeps(c, wish))) {
-            break;
-        }
+    } else {
+        try_out(&mut tried, &alone, wish, 1.0, &mut quick)?;
     }
-    let fastest = predicted.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    let fastest = fastest.filter(|f| tried.iter().all(|c| c.variant != f.variant && !keeps(c, wish)));
-    if let (Wish::Time(_), Some(fastest)) = (wish, fastest) {
-        tried.push(quick.measure(&fastest.variant)?);
-    }
+    let thought_of = combinations(&tried[0], &alone).len();
+    let of_base = tried[0].clone();
     let double = Candidate {
         seconds: of_base.seconds * quick.double_ratio(),
         slowest: of_base.slowest * quick.double_ratio(),
@@ -208,11 +206,45 @@ pub fn choose(
         size: quick.size(),
         study_seconds: start.elapsed().as_secs_f64(),
         alone,
-        thought_of: predicted.len(),
+        thought_of,
         tried: tried.len(),
         ladder,
         kept,
     })
+}
+
+/// Makes the combinations that look most promising beside those in `tried`, of which the first is the base. `slower` is how
+/// much longer than predicted those turned out to take that were too slow; what it is from here on.
+fn try_out(
+    tried: &mut Vec<Candidate>,
+    alone: &[Alone],
+    wish: Wish,
+    mut slower: f64,
+    quick: &mut Judged,
+) -> Result<f64> {
+    let predicted = combinations(&tried[0], alone);
+    let before = tried.len();
+    for p in promising(&predicted, wish) {
+        if tried.iter().any(|c| c.variant == p.variant) || p.seconds * slower > wish.seconds() {
+            continue;
+        }
+        let candidate = quick.measure(&p.variant)?;
+        if !keeps(&candidate, wish) {
+            slower = slower.max(candidate.slowest / p.seconds);
+        }
+        tried.push(candidate);
+        // The most promising come first.
+        let new = &tried[before..];
+        if new.len() >= TRIED || (new.len() >= TRIED / 3 && new.iter().any(|c| keeps(c, wish))) {
+            break;
+        }
+    }
+    let fastest = predicted.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let fastest = fastest.filter(|f| tried.iter().all(|c| c.variant != f.variant && !keeps(c, wish)));
+    if let (Wish::Time(_), Some(fastest)) = (wish, fastest) {
+        tried.push(quick.measure(&fastest.variant)?);
+    }
+    Ok(slower)
 }
 
 fn keeps(c: &Candidate, wish: Wish) -> bool {
@@ -222,20 +254,40 @@ fn keeps(c: &Candidate, wish: Wish) -> bool {
     }
 }
 
-/// The product of all levels: times multiply, errors add at most.
+/// Whether what the levels of an axis save is rays. Several such levels save partly the same ones: at least what the one does
+/// that saves most, at most what their product says. Half way between, geometrically, is what is predicted.
+fn cuts_rays(axis: Axis) -> bool {
+    matches!(axis, Axis::Reflection | Axis::Cutoff | Axis::Depth)
+}
+
+/// The product of all levels: times multiply (see [`cuts_rays`]), errors add at most.
 fn combinations(base: &Candidate, alone: &[Alone]) -> Vec<Predicted> {
-    let first =
-        Predicted { variant: base.variant, seconds: base.seconds, max: base.max, squares: base.rmse * base.rmse };
+    let first = Predicted {
+        variant: base.variant,
+        seconds: base.seconds,
+        cut: [1.0; 2],
+        max: base.max,
+        squares: base.rmse * base.rmse,
+    };
+    // Within the noise, no gain is believed in.
+    let ratio = |a: &Alone| if (a.ratio - 1.0).abs() < CLOSE { 1.0 } else { a.ratio };
     let mut all = vec![first];
     for axis in Axis::ALL {
         let levels: Vec<&Alone> = alone.iter().filter(|a| a.what.axis() == axis).collect();
         let wider = all.iter().flat_map(|p| {
-            let with = levels.iter().map(|a| Predicted {
-                variant: p.variant.with(a.what),
-                // Within the noise, no gain is believed in.
-                seconds: p.seconds * if (a.ratio - 1.0).abs() < CLOSE { 1.0 } else { a.ratio },
-                max: p.max + (a.max - base.max).max(0.0),
-                squares: p.squares + (a.rmse * a.rmse - base.rmse * base.rmse).max(0.0),
+            let with = levels.iter().map(|a| {
+                let ratio = ratio(a);
+                let cuts = cuts_rays(axis) && ratio < 1.0;
+                let [least, product] = p.cut;
+                let cut = if cuts { [least.min(ratio), product * ratio] } else { p.cut };
+                let left = |[least, product]: [f64; 2]| (least * product).sqrt();
+                Predicted {
+                    variant: p.variant.with(a.what),
+                    seconds: p.seconds * if cuts { left(cut) / left(p.cut) } else { ratio },
+                    cut,
+                    max: p.max + (a.max - base.max).max(0.0),
+                    squares: p.squares + (a.rmse * a.rmse - base.rmse * base.rmse).max(0.0),
+                }
             });
             std::iter::once(*p).chain(with)
         });
@@ -268,19 +320,26 @@ fn promising(all: &[Predicted], wish: Wish) -> Vec<Predicted> {
     sorted
 }
 
+/// The best that keeps the wish, or else comes nearest to it; and whether it keeps it.
+fn best(tried: &[Candidate], wish: Wish) -> (&Candidate, bool) {
+    let keeping = tried.iter().filter(|c| keeps(c, wish));
+    let (best, fallback) = match wish {
+        Wish::MaxError(_) => (
+            keeping.min_by(|a, b| a.seconds.total_cmp(&b.seconds)),
+            tried.iter().min_by(|a, b| a.max.total_cmp(&b.max)),
+        ),
+        Wish::Time(_) => (
+            keeping.min_by(|a, b| a.rmse.total_cmp(&b.rmse)),
+            tried.iter().min_by(|a, b| a.slowest.total_cmp(&b.slowest)),
+        ),
+    };
+    (best.or(fallback).expect("the base is always tried"), best.is_some())
+}
+
 /// The best that keeps the wish, then ever more exact ones, and `f64` last. And whether the first one keeps it.
 fn ladder(tried: &[Candidate], double: Candidate, wish: Wish) -> (Vec<Candidate>, bool) {
-    let keeping = tried.iter().filter(|c| keeps(c, wish));
-    let best = match wish {
-        Wish::MaxError(_) => keeping.min_by(|a, b| a.seconds.total_cmp(&b.seconds)),
-        Wish::Time(_) => keeping.min_by(|a, b| a.rmse.total_cmp(&b.rmse)),
-    };
-    let kept = best.is_some();
-    let fallback = match wish {
-        Wish::MaxError(_) => tried.iter().min_by(|a, b| a.max.total_cmp(&b.max)),
-        Wish::Time(_) => tried.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds)),
-    };
-    let mut ladder: Vec<Candidate> = best.or(fallback).into_iter().cloned().collect();
+    let (best, kept) = best(tried, wish);
+    let mut ladder = vec![best.clone()];
     if let Wish::MaxError(_) = wish {
         let mut others: Vec<&Candidate> = tried.iter().collect();
         others.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -333,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn times_multiply_and_errors_add() {
+    fn times_multiply_but_for_the_same_rays_and_errors_add() {
         let base = candidate(None, 4.0, 1e-5);
         let alone = |what: Level, ratio, max: f64| Alone {
             axis: what.axis().name(),
@@ -346,12 +405,15 @@ mod tests {
         let levels = [
             alone(Level::Depth(4), 0.5, 1e-3),
             alone(Level::Fresnel(FresnelModel::Schlick), 0.99, 1e-2),
-            alone(Level::Cutoff(0.25), 0.5, 1e-2),
+            alone(Level::Cutoff(0.25), 0.25, 1e-2),
+            alone(Level::Shadows(crate::scene::ShadowRule::Opaque), 0.8, 0.0),
         ];
         let all = combinations(&base, &levels);
-        assert_eq!(all.len(), 8);
-        let last = all.iter().find(|p| p.variant.apart_from(&base.variant).len() == 3).unwrap();
-        assert!((last.seconds - 1.0).abs() < 1e-12 && (last.max - (1e-5 + 0.00099 + 2.0 * 0.00999)).abs() < 1e-9);
+        assert_eq!(all.len(), 16);
+        let last = all.iter().find(|p| p.variant.apart_from(&base.variant).len() == 4).unwrap();
+        // 0.25 is the least, 0.125 the product.
+        let seconds = 4.0 * 0.8 * (0.25_f64 * 0.125).sqrt();
+        assert!((last.seconds - seconds).abs() < 1e-12 && (last.max - (1e-5 + 0.00099 + 2.0 * 0.00999)).abs() < 1e-9);
         // Schlick gains nothing that can be told from noise, so that it is never preferred.
         let best = promising(&all, Wish::MaxError(1.0));
         assert_eq!(best[0].variant.fresnel, FresnelModel::Exact);

@@ -48,8 +48,11 @@ pub(super) struct Judged<'q> {
     economy: f64,
 }
 
-/// How many times larger the picture is that tells the [`Judged::economy`].
+/// How many times as many rays the picture has, at least, that tells the [`Judged::economy`].
 const LARGER: f64 = 16.0;
+
+/// Part of the wished time that it may take.
+const OF_THE_TIME: f64 = 0.1;
 
 impl<'a> Quick<'a> {
     /// A picture of the scene as small as `exact` can be rendered in a second or two.
@@ -105,19 +108,22 @@ impl Judged<'_> {
         self.base_seconds.map_or(10.0, |base| self.quick.double_seconds / base)
     }
 
-    /// Learns from a picture of `scene` some times larger what a small one says too much or too little, from here on; by what
-    /// times measured until now are to be multiplied.
-    pub fn learn_from_larger(&mut self, scene: &Scene, of: &Candidate) -> Result<f64> {
+    /// Learns from a larger picture of `scene`, with all its rays a pixel, what a small one says too much or too little, from
+    /// here on; by what times measured until now are to be multiplied. The whole picture is wished for in `seconds`.
+    pub fn learn_from_larger(&mut self, scene: &Scene, of: &Candidate, seconds: f64) -> Result<f64> {
         let [whole, small] = [scene, &self.quick.small].map(pixels);
+        let samples = scene.settings.samples;
+        let least = small * LARGER / f64::from(samples * samples);
+        let in_time = OF_THE_TIME * seconds * whole / of.seconds;
         let mut larger = scene.clone();
-        [larger.settings.width, larger.settings.height] = fit(&scene.settings, (small * LARGER).min(whole));
+        [larger.settings.width, larger.settings.height] = fit(&scene.settings, in_time.max(least).min(whole));
         let engine = &mut Engine::new(&larger, self.quick.threads);
-        let variant = Variant { samples: 1, ..of.variant };
+        let variant = Variant { samples, ..of.variant };
         engine.shoot(&variant, self.quick.observer)?;
-        let seconds = engine.shoot(&variant, self.quick.observer)?.seconds;
-        let before = of.seconds / self.quick.scale / small;
-        self.economy = seconds / pixels(&larger) / before;
-        Ok(self.economy)
+        let took = engine.shoot(&variant, self.quick.observer)?.seconds;
+        let economy = took / pixels(&larger) / (of.seconds / whole);
+        self.economy *= economy;
+        Ok(economy)
     }
 
     /// Makes a variant's small picture, some times, and judges it.
