@@ -2,9 +2,6 @@
 //! costs (Ize and Hansen 2011, "RTSAH Traversal Order for Occlusion Rays"). The order is that of the slots, so that it
 //! costs a traversal nothing.
 
-use arrayvec::ArrayVec;
-use rayon::prelude::*;
-
 use super::beam::greatest;
 use super::bvh2::half_area;
 use super::bvh8::{Child, Node8};
@@ -20,66 +17,43 @@ struct Odds {
     visits: f32,
 }
 
-/// Subtrees of fewer nodes are one thread's work.
-const ALONE: usize = 1024;
-
 /// Puts the children of each node in order, those to be looked at first last, since stacks are emptied from their ends.
-/// Subtrees come one after the other in `nodes`, each behind its root; `covers` has [`super::leaf::Leaf::cover`] of every leaf.
+/// Parents come before children in `nodes`; `covers` has [`super::leaf::Leaf::cover`] of every leaf.
 pub(super) fn put_last(nodes: &mut [Node8], covers: &[f32]) {
-    if !nodes.is_empty() {
-        order(nodes, covers);
-    }
-}
+    let mut known = vec![Odds { blocked: 0.0, visits: 0.0 }; nodes.len()];
+    for here in (0..nodes.len()).rev() {
+        let node = &nodes[here];
+        let areas = half_areas(node).to_array();
+        let mut odds = [Odds { blocked: 0.0, visits: 1.0 }; 8];
+        // What a child is worth, with its slot in the lowest bits; absent ones stay last.
+        let mut order = [u64::MAX; 8];
+        let mut count = 0;
+        while count < 8 && node.children[count] != Child::NONE {
+            let child = node.children[count];
+            odds[count] = if child.is_leaf() {
+                // A convex body throws a shadow of a quarter of its surface, averaged over all directions.
+                Odds { blocked: (covers[child.index()] / areas[count]).min_or(1.0), visits: 1.0 }
+            } else {
+                known[child.index()]
+            };
+            // Numbers that are not negative are in the order of their bits.
+            let worth = (odds[count].blocked / odds[count].visits).to_bits();
+            order[count] = u64::from(worth) << 3 | count as u64;
+            count += 1;
+        }
+        order.sort_unstable();
+        let slots = order.map(|o| (o & 7) as usize);
 
-/// The same for a subtree that is all of `nodes`.
-fn order(nodes: &mut [Node8], covers: &[f32]) -> Odds {
-    let alone = nodes.len() < ALONE;
-    let Some((root, mut below)) = nodes.split_first_mut() else { unreachable!("a subtree has a root") };
-    let children: ArrayVec<Child, 8> = root.children.into_iter().take_while(|&c| c != Child::NONE).collect();
-    let inner: ArrayVec<usize, 8> = children.iter().filter(|c| !c.is_leaf()).map(|c| c.index()).collect();
-    let mut subtrees: ArrayVec<&mut [Node8], 8> = ArrayVec::new();
-    for (k, start) in inner.iter().enumerate() {
-        let count = inner.get(k + 1).map_or(below.len(), |next| next - start);
-        let (subtree, rest) = std::mem::take(&mut below).split_at_mut(count);
-        subtrees.push(subtree);
-        below = rest;
+        let own = whole_half_area(node);
+        let (mut open, mut visits) = (1.0, 1.0);
+        for &slot in slots[..count].iter().rev() {
+            let met = (areas[slot] / own).min_or(1.0);
+            visits += open * met * odds[slot].visits;
+            open *= 1.0 - met * odds[slot].blocked;
+        }
+        known[here] = Odds { blocked: 1.0 - open, visits };
+        nodes[here].reorder(slots);
     }
-    let of = |subtree: &mut &mut [Node8]| order(subtree, covers);
-    let mut known: ArrayVec<Odds, 8> = ArrayVec::new();
-    if alone {
-        known.extend(subtrees.iter_mut().map(of));
-    } else {
-        known.extend(subtrees.par_iter_mut().map(of).collect::<Vec<_>>());
-    }
-
-    let areas = half_areas(root).to_array();
-    let mut odds = [Odds { blocked: 0.0, visits: 1.0 }; 8];
-    // What a child is worth, with its slot in the lowest bits; absent ones stay last.
-    let mut worths = [u64::MAX; 8];
-    let mut known = known.into_iter();
-    for (slot, child) in children.iter().enumerate() {
-        odds[slot] = if child.is_leaf() {
-            // A convex body throws a shadow of a quarter of its surface, averaged over all directions.
-            Odds { blocked: (covers[child.index()] / areas[slot]).min_or(1.0), visits: 1.0 }
-        } else {
-            known.next().expect("every inner child has its odds")
-        };
-        // Numbers that are not negative are in the order of their bits.
-        let worth = (odds[slot].blocked / odds[slot].visits).to_bits();
-        worths[slot] = u64::from(worth) << 3 | slot as u64;
-    }
-    worths.sort_unstable();
-    let slots = worths.map(|o| (o & 7) as usize);
-
-    let own = whole_half_area(root);
-    let (mut open, mut visits) = (1.0, 1.0);
-    for &slot in slots[..children.len()].iter().rev() {
-        let met = (areas[slot] / own).min_or(1.0);
-        visits += open * met * odds[slot].visits;
-        open *= 1.0 - met * odds[slot].blocked;
-    }
-    root.reorder(slots);
-    Odds { blocked: 1.0 - open, visits }
 }
 
 /// Half the surface of each box.
