@@ -19,6 +19,9 @@ use crate::math::{Real, Vector3};
 /// Sums of edge functions below this may have lost digits to underflow: 2^-100.
 const SMALL_SUM: f64 = 7.888_609_052_210_118e-31;
 
+/// Reciprocals of sums below [`SMALL_SUM`] are above this, however they were rounded: 2^99.
+const LARGE_SCALE: f64 = 6.338_253_001_141_147e29;
+
 /// How far beyond an end of the ray's interval a triangle is left out unsolved, in parts of its farthest corner's
 /// distance, where it is of good shape: 2^-17.
 const BEYOND: f64 = 1.0 / 131_072.0;
@@ -171,21 +174,22 @@ impl<R: Real> Edges<R> {
     /// The sheared corners are told apart without error, so that some point of the triangle lies on the ray, at `z*` along
     /// its longest axis, and the way through the box, to which `t` is limited, holds it but for 8 u (`WIDEN` in
     /// [`super::slab`]). What [`Edges::weigh`] calls `z` has weights with errors: each edge function is off by at most 4 u
-    /// of `most`, the largest of its products, so `z` is off `z*` by at most 12 u `most` over the sum, times twice the
+    /// of `most`, which no product in them exceeds, so `z` is off `z*` by at most 12 u `most` over the sum, times twice the
     /// farthest corner's distance; and by 6 u of that for the rest. 128 u of both leave room for the sum's own error,
-    /// too; and where `most` is so much larger than the sum that it does not, nothing is left out at all.
+    /// too; and where `most` is so much larger than the sum that it does not, nothing is left out at all. Nor is it where the
+    /// sum is so small that underflow may have eaten of it; an edge function that is zero is off by no more than the others.
     #[inline(always)]
     pub fn may_lie_within(&self, weights: &Weights<R>, ray: &ShearedRay<R>, t_min: R, t_max: R) -> R::Mask {
         let [a, b, c] = &self.corners;
-        let most = (c.x * b.y).greatest_magnitude(c.y * b.x).greatest_magnitude(a.x * c.y);
-        let most = most.greatest_magnitude((a.y * c.x).greatest_magnitude(b.x * a.y).greatest_magnitude(b.y * a.x));
+        let largest = |p: R, q: R, r: R| p.greatest_magnitude(q).greatest_magnitude(r);
+        let most = largest(a.x, b.x, c.x) * largest(a.y, b.y, c.y);
         let far = a.z.greatest_magnitude(b.z).greatest_magnitude(c.z);
         let share = most.fma(weights.scale.abs(), R::one());
         let room = (far * R::splat(BEYOND)).fma(share, R::splat(f64::from(f32::MIN_POSITIVE)));
         let (start, end) = (t_min * ray.dz, t_max * ray.dz);
         let below = (weights.z + room).lt(start.min_or(end));
         let above = start.max_or(end).lt(weights.z - room);
-        !(below | above) | weights.doubtful
+        !(below | above) | R::splat(LARGE_SCALE).lt(weights.scale.abs())
     }
 }
 

@@ -27,7 +27,7 @@ use crate::{Error, Result};
 pub const MOST_PASSES: u16 = 256;
 
 /// Packets traced at a time. Bounds memory: a queue never holds more than the children of two chunks.
-const CHUNK_PACKETS: usize = 512;
+const CHUNK_PACKETS: usize = 1024;
 
 /// Everything a thread needs, kept from tile to tile so that nothing is allocated once it is warm.
 pub struct Worker<'a, I: Intersector> {

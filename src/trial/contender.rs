@@ -10,7 +10,7 @@ use crate::geometry::{Hit8, Ray8};
 use crate::simd::Mask8;
 
 /// Packets that a thread takes at a time: what renders hand over at once, some hundred microseconds of work.
-pub const PIECE: usize = 512;
+pub const PIECE: usize = 1024;
 
 /// What a contender is called in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

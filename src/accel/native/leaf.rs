@@ -1,18 +1,18 @@
 //! What a hierarchy asks of its leaves, and what is kept of the nearest hit so far.
 
 use super::bvh8::Planes;
-use super::rays::{Eight, One};
+use super::one::One;
+use super::rays::Eight;
 use crate::geometry::{Hit, Hit8, NO_GEOMETRY};
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8};
 
 /// Up to eight primitives of one kind, stored for eight lanes.
 pub(super) trait Leaf: Sync {
-    /// Takes the nearest hit of one ray with these primitives into `best`, where it is nearer. `t_max` is `best.t`;
-    /// where the answer is no, `best` was not even looked at.
-    fn closest_one(&self, ray: &One, t_max: f32, best: &mut Best) -> bool;
-    /// Whether one ray meets any of these primitives at or before `t_max`.
-    fn occluded_one(&self, ray: &One, t_max: f32) -> bool;
+    /// What one ray meets of these primitives at or before `t_max`.
+    fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met>;
+    /// What the primitives are.
+    fn tags(&self) -> &Tags;
     /// The boxes of the primitives, by slot; those of empty slots may be anything.
     fn boxes(&self) -> Planes;
     /// Takes the nearest hits of rays with the primitives in `slots` into `best`, where they are nearer.
@@ -23,6 +23,18 @@ pub(super) trait Leaf: Sync {
     fn cover(&self) -> f32;
     /// Ids of the primitives within, `(geometry, primitive)`.
     fn ids(&self) -> impl Iterator<Item = (u32, u32)>;
+}
+
+/// Hits of some lanes.
+pub(super) struct Met {
+    /// Which; of one ray, at least one.
+    pub lanes: Mask8,
+    /// Ray parameters.
+    pub t: F32x8,
+    /// Weights of the second corners.
+    pub u: F32x8,
+    /// Weights of the third corners.
+    pub v: F32x8,
 }
 
 /// Which rays of a packet are tested, and what they have in common.
@@ -88,7 +100,7 @@ impl Tags {
 }
 
 /// The nearest hit of one ray so far.
-#[derive(Clone, Copy, Debug, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Best {
     /// Its parameter; the ray's own limit before there is a hit.
     pub t: f32,
@@ -105,9 +117,18 @@ impl Best {
         Self { t: t_max, u: 0.0, v: 0.0, geometry: NO_GEOMETRY, primitive: 0 }
     }
 
-    /// Takes the nearest of the hits in `lanes`, whose `t` are all seen by the ray, unless the present one is nearer.
+    /// What a lane holds of them, seen as far as `t_max`.
     #[inline(always)]
-    pub fn take(&mut self, mut lanes: u8, t: F32x8, u: F32x8, v: F32x8, tags: &Tags) {
+    pub fn of(hits: &Hit8, lane: usize, t_max: f32) -> Self {
+        let i = lane & 7;
+        let (geometry, primitive) = (hits.geometry[i], hits.primitive[i]);
+        Self { t: t_max, u: hits.u.lane(i), v: hits.v.lane(i), geometry, primitive }
+    }
+
+    /// Takes the nearest of the hits of one ray, whose `t` are all seen by it, unless the present one is nearer.
+    #[inline(always)]
+    pub fn take(&mut self, met: &Met, tags: &Tags) {
+        let (mut lanes, Met { t, u, v, .. }) = (met.lanes.bits(), met);
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;
@@ -116,12 +137,6 @@ impl Best {
                 *self = Self { t: at, u: u.lane(i), v: v.lane(i), geometry: id.0, primitive: id.1 };
             }
         }
-    }
-
-    /// Whether there is a hit.
-    #[inline(always)]
-    pub fn is_hit(&self) -> bool {
-        self.geometry != NO_GEOMETRY
     }
 
     /// The hit, or a miss.
@@ -240,7 +255,10 @@ mod tests {
                 for (geometry, primitive) in order.map(|i: usize| ids[i]) {
                     let t = F32x8::ONE;
                     eight.take(Mask8::ALL, t, t, t, geometry, primitive);
-                    one.take(1, t, t, t, &Tags::new([(geometry, primitive, 1)].into_iter()));
+                    one.take(
+                        &Met { lanes: Mask8::from_bits(1), t, u: t, v: t },
+                        &Tags::new([(geometry, primitive, 1)].into_iter()),
+                    );
                 }
                 assert_eq!(one.hit().id(), (0, ids[0].0, ids[0].1));
                 assert!((0..8).all(|i| eight.lane(i).hit() == one.hit()));

@@ -12,6 +12,7 @@ mod bvh8;
 mod collapse;
 mod leaf;
 mod morton;
+mod one;
 mod rays;
 mod reinsert;
 mod sphere8;

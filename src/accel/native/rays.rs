@@ -83,29 +83,11 @@ impl Way8 {
         transpose(x | y << 8 | z << 16).to_le_bytes()
     }
 
-    /// The rays one by one, each as [`Hot`] has it.
+    /// The rays one by one: start, lower end, inverse direction, upper end.
     #[inline(always)]
     pub fn rows(&self) -> [F32x8; 8] {
         let (o, d) = (self.slab.origin, self.slab.inverse);
         F32x8::transpose([o.x, o.y, o.z, self.t_min, d.x, d.y, d.z, self.t_max])
-    }
-
-    /// The rays one by one.
-    #[inline(always)]
-    pub fn split(&self) -> ([Hot; 8], [Turned; 8]) {
-        let number = |n: u32| F32x8::from(f32::from_bits(n));
-        let (ray, axis) = ShearedRay::new(self.slab.origin, self.dir);
-        let last = axis.is_x.select(number(0), axis.is_y.select(number(1), number(2)));
-        let (o, s) = (ray.origin, ray.shear);
-        let turned = F32x8::transpose([o.x, o.y, o.z, s.0, s.1, ray.dz, last, number(u32::from(self.admits))]);
-        (bytemuck::cast(self.rows()), bytemuck::cast(turned))
-    }
-
-    /// Directions one by one.
-    #[inline(always)]
-    pub fn directions(&self) -> [Direction; 8] {
-        let (x, y, z) = (self.dir.x.as_array(), self.dir.y.as_array(), self.dir.z.as_array());
-        std::array::from_fn(|i| [x[i], y[i], z[i]])
     }
 
     /// The lanes among `lanes` whose intervals begin at zero or later.
@@ -189,112 +171,6 @@ impl Default for Eight {
     /// No rays.
     fn default() -> Self {
         Self::new(&Way8::new(&Ray8::default()))
-    }
-}
-
-/// One ray for kernels that take it alone, in pieces of which each step reads what it needs.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct One<'a> {
-    /// For boxes.
-    pub hot: &'a Hot,
-    /// For triangles.
-    pub turned: &'a Turned,
-    /// For spheres.
-    pub dir: &'a Direction,
-    /// For each axis, 1 where the ray runs backwards along it.
-    pub octant: [usize; 3],
-}
-
-/// The same three numbers in all lanes.
-#[inline(always)]
-fn all([x, y, z]: [f32; 3]) -> Vec3x8 {
-    Vec3x8::new(F32x8::from(x), F32x8::from(y), F32x8::from(z))
-}
-
-impl<'a> One<'a> {
-    /// From its pieces.
-    #[inline(always)]
-    pub fn new(hot: &'a Hot, turned: &'a Turned, dir: &'a Direction) -> Self {
-        Self { hot, turned, dir, octant: hot.inverse.map(|x| usize::from(x.is_sign_negative())) }
-    }
-
-    /// Start and inverse direction.
-    #[inline(always)]
-    pub fn slab(&self) -> SlabRay<F32x8> {
-        self.hot.slab()
-    }
-
-    /// Turned and sheared for the triangle test.
-    #[inline(always)]
-    pub fn sheared(&self) -> ShearedRay<F32x8> {
-        let Turned { origin, shear, dz, .. } = *self.turned;
-        ShearedRay { origin: all(origin), shear: (F32x8::from(shear[0]), F32x8::from(shear[1])), dz: F32x8::from(dz) }
-    }
-
-    /// The axes in the order in which the triangle test wants them, the longest last.
-    #[inline(always)]
-    pub fn axes(&self) -> [usize; 3] {
-        TURNED[self.turned.last as usize]
-    }
-
-    /// Direction.
-    #[inline(always)]
-    pub fn dir(&self) -> Vec3x8 {
-        all(*self.dir)
-    }
-
-    /// Lower end of the interval.
-    #[inline(always)]
-    pub fn t_min(&self) -> F32x8 {
-        F32x8::from(self.hot.t_min)
-    }
-
-    /// Kinds of geometry looked for.
-    #[inline(always)]
-    pub fn admits(&self) -> u8 {
-        self.turned.admits as u8
-    }
-}
-
-/// Where a ray goes.
-pub(super) type Direction = [f32; 3];
-
-/// What the box test needs of a ray, in half a cache line.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C, align(32))]
-pub(super) struct Hot {
-    origin: [f32; 3],
-    t_min: f32,
-    inverse: [f32; 3],
-    /// How far it is looked at from here on; -inf ends it.
-    pub t_max: f32,
-}
-
-/// What the triangle test needs of a ray besides, in another half.
-#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C, align(32))]
-pub(super) struct Turned {
-    /// As [`ShearedRay`] has them.
-    origin: [f32; 3],
-    shear: [f32; 2],
-    dz: f32,
-    /// The longest axis of the direction.
-    last: u32,
-    admits: u32,
-}
-
-impl Hot {
-    /// Start and inverse direction.
-    #[inline(always)]
-    pub fn slab(&self) -> SlabRay<F32x8> {
-        SlabRay { origin: all(self.origin), inverse: all(self.inverse) }
-    }
-
-    /// Which of eight boxes it meets, by their planes in the order in which it reaches them.
-    #[inline(always)]
-    pub fn meet(&self, near: Vec3x8, far: Vec3x8) -> u8 {
-        let (enter, leave) = self.slab().clip_sorted(near, far, F32x8::from(self.t_min), F32x8::from(self.t_max));
-        enter.le(leave).bits()
     }
 }
 

@@ -1,10 +1,12 @@
 //! Leaves of exact spheres.
 
 use super::bvh8::Planes;
-use super::leaf::{Best, Best8, Leaf, Tags, Towards};
-use super::rays::{Eight, One};
+use super::leaf::{Best8, Leaf, Met, Tags, Towards};
+use super::one::One;
+use super::rays::Eight;
 use crate::geometry::sphere::{grown_bounds, intersect};
 use crate::geometry::{Sphere, slab::SlabRay};
+use crate::math::LaneMask;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// Up to eight spheres in structure-of-arrays; empty slots hold NaN, which nothing meets.
@@ -50,25 +52,19 @@ impl Sphere8 {
     pub fn sphere(&self, i: usize) -> Sphere {
         Sphere { centre: self.centre.lane(i), radius: self.radius.lane(i) }
     }
-
-    #[inline(always)]
-    fn meet_one(&self, ray: &One, t_max: f32) -> (F32x8, u8) {
-        let (t, met) = intersect(&ray.slab(), ray.dir(), self.centre, self.radius, ray.t_min(), F32x8::from(t_max));
-        (t, met.bits() & self.tags.admitted(ray.admits()))
-    }
 }
 
 impl Leaf for Sphere8 {
     #[inline(always)]
-    fn closest_one(&self, ray: &One, t_max: f32, best: &mut Best) -> bool {
-        let (t, met) = self.meet_one(ray, t_max);
-        best.take(met, t, F32x8::ZERO, F32x8::ZERO, &self.tags);
-        met != 0
+    fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met> {
+        let (t, met) = intersect(&ray.slab(), ray.dir(), self.centre, self.radius, ray.t_min(), F32x8::from(t_max));
+        let lanes = met & Mask8::from_bits(self.tags.admitted(ray.admits()));
+        lanes.any().then_some(Met { lanes, t, u: F32x8::ZERO, v: F32x8::ZERO })
     }
 
     #[inline(always)]
-    fn occluded_one(&self, ray: &One, t_max: f32) -> bool {
-        self.meet_one(ray, t_max).1 != 0
+    fn tags(&self) -> &Tags {
+        &self.tags
     }
 
     #[inline(always)]

@@ -2,57 +2,41 @@
 //!
 //! After Tsakok 2009 ("Faster Incoherent Rays: Multi-BVH Ray Stream Tracing") and Fuetterling et al. 2015 ("Efficient
 //! Ray Tracing Kernels for Modern CPU Architectures"): rays are parted by octant, so that near and far planes of a
-//! node stay in registers while its list of rays goes by, each with the 32 bytes that the box test needs. The octants
-//! are walked by turns: what one will visit next comes from memory while the others are at work.
+//! node stay in registers while its list of rays goes by. Unlike theirs, rays are not copied out of their packets. The
+//! octants are walked by turns: what one will visit next comes from memory while the others are at work.
 
 use super::bits::{compress, transpose};
 use super::bvh8::{Bvh8, Child, Node8};
 use super::leaf::{Best, Leaf};
-use super::rays::{Direction, Hot, One, Turned, Way8, each};
+use super::one::{Cold8, Hot8, One};
+use super::rays::{Way8, each};
 use super::traverse_stream::STRETCH;
 use super::traverse_tile::fetch;
-use crate::geometry::Hit8;
+use crate::geometry::{Hit8, Ray8};
+use crate::math::Real;
+use crate::simd::F32x8;
 
-/// Rays that each octant of a batch has room for.
-const ROOM: usize = 8 * STRETCH;
-
-/// Rays that wait to be traced together, by octant, and room for the work: 400 kB an octant, made when the first ray comes,
-/// since a small picture sends few rays into few octants.
+/// Rays that wait to be traced together, and room for them, made when the first comes: 512 kB.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    octants: [Option<Box<Rays>>; 8],
+    rays: Option<Rays>,
     lists: [Lists; 8],
 }
 
-/// Rays of one octant side by side, so that those of a list are near each other in memory, too.
+/// Packets with such rays, side by side. A ray is named by its place times eight and its lane.
 #[derive(Debug)]
 struct Rays {
-    /// How many there are; what lies behind them was left by others.
+    /// How many packets there are; what lies behind them was left by others.
     count: usize,
-    hot: Box<[Hot; ROOM]>,
-    turned: Box<[Turned; ROOM]>,
-    dirs: Box<[Direction; ROOM]>,
-    best: Box<[Best; ROOM]>,
-    /// Whose rays they are: packet times eight, and lane.
-    owner: Box<[u16; ROOM]>,
-}
-
-impl Default for Rays {
-    fn default() -> Self {
-        Self {
-            count: 0,
-            hot: bytemuck::zeroed_box(),
-            turned: bytemuck::zeroed_box(),
-            dirs: bytemuck::zeroed_box(),
-            best: bytemuck::zeroed_box(),
-            owner: bytemuck::zeroed_box(),
-        }
-    }
+    hot: Box<[Hot8; STRETCH]>,
+    cold: Box<[Cold8; STRETCH]>,
 }
 
 /// Lists of rays, each below the ones made after it.
 #[derive(Debug, Default)]
 struct Lists {
+    /// The rays that it begins with.
+    all: Vec<u16>,
     ids: Vec<u16>,
     /// Of the list at hand, for each eight rays, a byte a child: which of them meet it.
     masks: Vec<u64>,
@@ -70,38 +54,38 @@ struct Visit {
 impl Batch {
     /// Takes in the rays in `lanes` of a packet.
     #[inline(always)]
-    pub fn push(&mut self, rays: &Way8, packet: usize, lanes: u8) {
+    pub fn push(&mut self, way: &Way8, packet: usize, lanes: u8) {
         if lanes == 0 {
             return;
         }
-        let ((hot, turned), dirs) = (rays.split(), rays.directions());
-        let octants = rays.octants();
-        each(lanes, |i| {
-            let to = self.octants[usize::from(octants[i] & 7)].get_or_insert_default();
-            let id = to.count & (ROOM - 1);
-            to.count = id + 1;
-            to.hot[id] = hot[i];
-            to.turned[id] = turned[i];
-            to.dirs[id] = dirs[i];
-            to.best[id] = Best::new(hot[i].t_max);
-            to.owner[id] = (packet * 8 + i) as u16;
-        });
+        let rays = self.rays.get_or_insert_with(Rays::none);
+        let slot = rays.count & (STRETCH - 1);
+        rays.count = slot + 1;
+        rays.hot[slot] = Hot8::new(way);
+        rays.cold[slot] = Cold8::new(way, packet, lanes);
+        let octants = way.octants();
+        each(lanes, |i| self.lists[usize::from(octants[i] & 7)].all.push((slot * 8 + i) as u16));
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.octants.iter().flatten().all(|of_octant| of_octant.count == 0)
+        self.rays.as_ref().is_none_or(|rays| rays.count == 0)
     }
 
-    /// Takes the nearest hits into what is known of the rays.
+    /// Takes the nearest hits into `hits`, by packet, which hold those found so far, or misses.
     #[inline(never)]
-    pub fn closest<L: Leaf>(&mut self, tree: &Bvh8<L>) {
-        self.by_turns::<L, true>(tree, |Rays { hot, turned, dirs, best, .. }, leaf, octant, ids| {
+    pub fn closest<L: Leaf>(&mut self, tree: &Bvh8<L>, hits: &mut [Hit8]) {
+        self.by_turns::<L, true>(tree, |rays, leaf, octant, ids| {
             for &id in ids {
-                let id = usize::from(id) & (ROOM - 1);
-                let ray = One { hot: &hot[id], turned: &turned[id], dir: &dirs[id], octant };
-                if leaf.closest_one(&ray, ray.hot.t_max, &mut best[id]) {
-                    hot[id].t_max = best[id].t;
+                let (slot, lane) = place(id);
+                let (hot, cold) = (&mut rays.hot[slot], &rays.cold[slot]);
+                let t_max = hot.t_max.lane(lane);
+                if let Some(met) = leaf.meet_one(&One::new(hot, cold, lane, octant), t_max) {
+                    let hits = &mut hits[usize::from(cold.packet)];
+                    let mut best = Best::of(hits, lane, t_max);
+                    best.take(&met, leaf.tags());
+                    hot.t_max.set_lane(lane, best.t);
+                    hits.set_lane(lane, &best.hit());
                 }
             }
         });
@@ -110,13 +94,13 @@ impl Batch {
     /// Ends the rays that meet anything, which [`Batch::finish_blocked`] then names.
     #[inline(never)]
     pub fn occluded<L: Leaf>(&mut self, tree: &Bvh8<L>) {
-        self.by_turns::<L, false>(tree, |Rays { hot, turned, dirs, .. }, leaf, octant, ids| {
+        self.by_turns::<L, false>(tree, |rays, leaf, octant, ids| {
             for &id in ids {
-                let id = usize::from(id) & (ROOM - 1);
-                let ray = One { hot: &hot[id], turned: &turned[id], dir: &dirs[id], octant };
-                let t_max = ray.hot.t_max;
-                if t_max != f32::NEG_INFINITY && leaf.occluded_one(&ray, t_max) {
-                    hot[id].t_max = f32::NEG_INFINITY;
+                let (slot, lane) = place(id);
+                let (hot, cold) = (&mut rays.hot[slot], &rays.cold[slot]);
+                let t_max = hot.t_max.lane(lane);
+                if t_max != f32::NEG_INFINITY && leaf.meet_one(&One::new(hot, cold, lane, octant), t_max).is_some() {
+                    hot.t_max.set_lane(lane, f32::NEG_INFINITY);
                 }
             }
         });
@@ -129,46 +113,59 @@ impl Batch {
         tree: &Bvh8<L>,
         mut leaf: impl FnMut(&mut Rays, &L, [usize; 3], &[u16]),
     ) {
+        let Some(rays) = &mut self.rays else { return };
         if tree.root == Child::NONE {
             return;
         }
-        let Self { octants, lists } = self;
-        for (lists, rays) in lists.iter_mut().zip(&*octants) {
-            lists.start(tree.root, rays.as_ref().map_or(0, |rays| rays.count));
-        }
+        self.lists.iter_mut().for_each(|lists| lists.start(tree.root));
         let mut more = true;
         while more {
             more = false;
-            for (o, (lists, rays)) in lists.iter_mut().zip(&mut *octants).enumerate() {
-                let Some(rays) = rays else { continue };
+            for (o, lists) in self.lists.iter_mut().enumerate() {
                 more |= lists.step::<L, NEAREST>(tree, o, rays, &mut leaf);
             }
         }
     }
 
-    /// Writes what was found, and is empty again.
+    /// Marks the rays that were blocked, a byte a packet.
     #[inline(always)]
-    pub fn finish(&mut self, hits: &mut [Hit8]) {
-        for Rays { count, best, owner, .. } in self.octants.iter_mut().flatten().map(Box::as_mut) {
-            for (owner, found) in owner.iter().zip(&**best).take(*count) {
-                if found.is_hit() {
-                    hits[usize::from(owner >> 3)].set_lane(usize::from(owner & 7), &found.hit());
-                }
-            }
-            *count = 0;
+    pub fn finish_blocked(&self, blocked: &mut [u8]) {
+        let Some(rays) = &self.rays else { return };
+        for (hot, cold) in rays.hot.iter().zip(&*rays.cold).take(rays.count) {
+            blocked[usize::from(cold.packet)] |= hot.t_max.eq(-F32x8::INFINITY).bits() & cold.lanes;
         }
     }
 
-    /// Marks the rays that were blocked, a byte a packet, and is empty again.
+    /// Lets go of all rays.
     #[inline(always)]
-    pub fn finish_blocked(&mut self, blocked: &mut [u8]) {
-        for Rays { count, hot, owner, .. } in self.octants.iter_mut().flatten().map(Box::as_mut) {
-            for (owner, hot) in owner.iter().zip(&**hot).take(*count) {
-                blocked[usize::from(owner >> 3)] |= u8::from(hot.t_max == f32::NEG_INFINITY) << (owner & 7);
-            }
-            *count = 0;
+    pub fn clear(&mut self) {
+        if let Some(rays) = &mut self.rays {
+            rays.count = 0;
         }
+        self.lists.iter_mut().for_each(|lists| lists.all.clear());
     }
+}
+
+impl Rays {
+    /// Room for some.
+    #[cold]
+    fn none() -> Self {
+        fn room<T: Clone>(of: T) -> Box<[T; STRETCH]> {
+            let all = vec![of; STRETCH].try_into();
+            all.unwrap_or_else(|_| unreachable!("it was made as long as that"))
+        }
+        let way = Way8::new(&Ray8::default());
+        Self { count: 0, hot: room(Hot8::new(&way)), cold: room(Cold8::new(&way, 0, 0)) }
+    }
+}
+
+/// A ray's name holds its place and its lane.
+const _: () = assert!(8 * STRETCH - 1 <= u16::MAX as usize && STRETCH.is_power_of_two());
+
+/// Where a ray is: which packet, which lane.
+#[inline(always)]
+fn place(id: u16) -> (usize, usize) {
+    (usize::from(id >> 3) & (STRETCH - 1), usize::from(id & 7))
 }
 
 /// For each axis, 1 where rays of octant `o` run backwards along it.
@@ -177,14 +174,15 @@ fn octant(o: usize) -> [usize; 3] {
 }
 
 impl Lists {
-    /// Begins with all rays, at `root`.
-    fn start(&mut self, root: Child, count: usize) {
+    /// Begins at `root` with all rays.
+    fn start(&mut self, root: Child) {
         self.stack.clear();
+        let count = self.all.len();
         if count == 0 {
             return;
         }
         self.ids.resize(count.max(self.ids.len()), 0);
-        self.ids[..count].iter_mut().zip(0..).for_each(|(id, i)| *id = i);
+        self.ids[..count].copy_from_slice(&self.all);
         self.stack.push(Visit { child: root, first: 0, count });
     }
 
@@ -234,14 +232,15 @@ impl Lists {
 
     /// Fills [`Lists::masks`]; the children that some ray meets.
     #[inline(always)]
-    fn meet(&mut self, node: &Node8, octant: [usize; 3], first: usize, count: usize, hot: &[Hot; ROOM]) -> u8 {
+    fn meet(&mut self, node: &Node8, octant: [usize; 3], first: usize, count: usize, hot: &[Hot8; STRETCH]) -> u8 {
         let (near, far) = node.sorted(octant);
         let mut any = 0;
         self.masks.clear();
         for ids in self.ids[first..first + count].chunks(8) {
             let mut masks = 0;
             for (k, &id) in ids.iter().enumerate() {
-                let met = hot[usize::from(id) & (ROOM - 1)].meet(near, far);
+                let (slot, lane) = place(id);
+                let met = hot[slot].meet(lane, near, far);
                 any |= met;
                 masks |= u64::from(met) << (8 * k);
             }

@@ -2,7 +2,8 @@
 
 use super::bvh8::{Bvh8, Child};
 use super::leaf::{Best, Best8, Leaf};
-use super::rays::{One, Way8, each};
+use super::one::{Cold8, Hot8, One};
+use super::rays::{Way8, each};
 use super::stack::{Entry, Stack, nearest_last};
 use crate::math::Real;
 use crate::simd::F32x8;
@@ -10,10 +11,10 @@ use crate::simd::F32x8;
 /// The nearest hits of the rays in `lanes`, each taken into its lane of `best`.
 #[inline(never)]
 pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, best: &mut Best8, stack: &mut Stack) {
-    let ((hot, turned), dirs) = (rays.split(), rays.directions());
+    let (hot, cold) = (Hot8::new(rays), Cold8::new(rays, 0, lanes));
     each(lanes, |i| {
         let mut one = best.lane(i);
-        closest(tree, &One::new(&hot[i], &turned[i], &dirs[i]), &mut one, stack);
+        closest(tree, &One::new(&hot, &cold, i, rays.octant(i)), &mut one, stack);
         best.set_lane(i, &one);
     });
 }
@@ -22,7 +23,8 @@ pub(super) fn closest_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, best
 #[inline(always)]
 fn closest<L: Leaf>(tree: &Bvh8<L>, ray: &One, best: &mut Best, stack: &mut Stack) {
     walk::<L, true>(tree, ray, best.t, stack, |leaf, t| {
-        if leaf.closest_one(ray, *t, best) {
+        if let Some(met) = leaf.meet_one(ray, *t) {
+            best.take(&met, leaf.tags());
             *t = best.t;
         }
         false
@@ -32,11 +34,10 @@ fn closest<L: Leaf>(tree: &Bvh8<L>, ray: &One, best: &mut Best, stack: &mut Stac
 /// Which rays of `lanes` meet anything.
 #[inline(never)]
 pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, stack: &mut Stack) -> u8 {
-    let ((hot, turned), dirs) = (rays.split(), rays.directions());
+    let (hot, cold) = (Hot8::new(rays), Cold8::new(rays, 0, lanes));
     let mut blocked = 0;
     each(lanes, |i| {
-        let ray = One::new(&hot[i], &turned[i], &dirs[i]);
-        let met = occluded(tree, &ray, hot[i].t_max, stack);
+        let met = occluded(tree, &One::new(&hot, &cold, i, rays.octant(i)), hot.t_max.lane(i), stack);
         blocked |= u8::from(met) << i;
     });
     blocked
@@ -45,7 +46,7 @@ pub(super) fn occluded_each<L: Leaf>(tree: &Bvh8<L>, rays: &Way8, lanes: u8, sta
 /// Whether a ray meets anything at or before `t_max`.
 #[inline(always)]
 fn occluded<L: Leaf>(tree: &Bvh8<L>, ray: &One, t_max: f32, stack: &mut Stack) -> bool {
-    walk::<L, false>(tree, ray, t_max, stack, |leaf, t| leaf.occluded_one(ray, *t))
+    walk::<L, false>(tree, ray, t_max, stack, |leaf, t| leaf.meet_one(ray, *t).is_some())
 }
 
 /// Visits leaves until `visit` says that it is enough; it may lower the limit. Whether it did. Near ones come first

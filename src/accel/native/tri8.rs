@@ -1,8 +1,9 @@
 //! Leaves of triangles: eight of them for one ray, or each of them for eight rays.
 
 use super::bvh8::Planes;
-use super::leaf::{Best, Best8, Leaf, Tags, Towards};
-use super::rays::{Eight, One, TURNED};
+use super::leaf::{Best8, Leaf, Met, Tags, Towards};
+use super::one::One;
+use super::rays::{Eight, TURNED};
 use crate::geometry::triangle::{Edges, ShearedRay, Solution, grown_box};
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8, Vec3x8};
@@ -17,14 +18,6 @@ pub(super) struct Tri8 {
 }
 
 const _: () = assert!(size_of::<Tri8>() == 384);
-
-/// Hits of some lanes.
-struct Met {
-    lanes: Mask8,
-    t: F32x8,
-    u: F32x8,
-    v: F32x8,
-}
 
 /// The eight-lane form of [`crate::geometry::triangle::intersect`], for lanes of `admitted`: corners as `turned` for
 /// the ray; `limit` keeps `t` within the triangle's box; the rays' intervals are `t_min` and `t_max`.
@@ -112,24 +105,6 @@ impl Tri8 {
         self.corners.map(|c| glam::Vec3::new(c[0].lane(i), c[1].lane(i), c[2].lane(i)))
     }
 
-    #[inline(always)]
-    fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met> {
-        let [x, y, z] = ray.axes();
-        let [a, b, c] = &self.corners;
-        let turned = [Vec3x8::new(a[x], a[y], a[z]), Vec3x8::new(b[x], b[y], b[z]), Vec3x8::new(c[x], c[y], c[z])];
-        let limit = |t: F32x8| {
-            let plain = [Vec3x8::new(a[0], a[1], a[2]), Vec3x8::new(b[0], b[1], b[2]), Vec3x8::new(c[0], c[1], c[2])];
-            let (lo, hi) = grown_box(&plain);
-            let planes = [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]];
-            let near = |axis: usize| planes[axis][ray.octant[axis] & 1];
-            let far = |axis: usize| planes[axis][(ray.octant[axis] & 1) ^ 1];
-            let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
-            ray.slab().limit_sorted(near, far, t)
-        };
-        let interval = (ray.t_min(), F32x8::from(t_max));
-        intersect::<false>(&ray.sheared(), &turned, limit, interval, || self.tags.admitted(ray.admits()))
-    }
-
     /// Calls `found` with the hits with each triangle in `slots` that the rays look for; it gives the new limits, or
     /// nothing where it has seen enough.
     #[inline(always)]
@@ -191,17 +166,26 @@ impl Tri8 {
 
 impl Leaf for Tri8 {
     #[inline(always)]
-    fn closest_one(&self, ray: &One, t_max: f32, best: &mut Best) -> bool {
-        let met = self.meet_one(ray, t_max);
-        if let Some(met) = &met {
-            best.take(met.lanes.bits(), met.t, met.u, met.v, &self.tags);
-        }
-        met.is_some()
+    fn meet_one(&self, ray: &One, t_max: f32) -> Option<Met> {
+        let [x, y, z] = ray.axes();
+        let [a, b, c] = &self.corners;
+        let turned = [Vec3x8::new(a[x], a[y], a[z]), Vec3x8::new(b[x], b[y], b[z]), Vec3x8::new(c[x], c[y], c[z])];
+        let limit = |t: F32x8| {
+            let plain = [Vec3x8::new(a[0], a[1], a[2]), Vec3x8::new(b[0], b[1], b[2]), Vec3x8::new(c[0], c[1], c[2])];
+            let (lo, hi) = grown_box(&plain);
+            let planes = [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]];
+            let near = |axis: usize| planes[axis][ray.octant[axis] & 1];
+            let far = |axis: usize| planes[axis][(ray.octant[axis] & 1) ^ 1];
+            let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
+            ray.slab().limit_sorted(near, far, t)
+        };
+        let interval = (ray.t_min(), F32x8::from(t_max));
+        intersect::<false>(&ray.sheared(), &turned, limit, interval, || self.tags.admitted(ray.admits()))
     }
 
     #[inline(always)]
-    fn occluded_one(&self, ray: &One, t_max: f32) -> bool {
-        self.meet_one(ray, t_max).is_some()
+    fn tags(&self) -> &Tags {
+        &self.tags
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::bvh8::{Bvh8, Child};
-use super::leaf::{Best, Leaf, Tags};
+use super::leaf::{Best, Leaf, Met, Tags};
 use super::{BuildQuality, BuildStats, Coherence, Intersector, Native};
 use crate::geometry::slab::{SlabRay, upper_end};
 use crate::geometry::triangle_test::{
@@ -294,13 +294,14 @@ fn closest<T: TriangleTest, D: Reciprocal>(
             let mut best = Best::new(t_max);
             one.walk(&trees.spheres, best.t, scratch, |leaf, t_max| {
                 let (met, t) = one.meet_balls(leaf, *t_max);
-                best.take(met, t, F32x8::ZERO, F32x8::ZERO, &leaf.tags);
+                let met = Met { lanes: Mask8::from_bits(met), t, u: F32x8::ZERO, v: F32x8::ZERO };
+                best.take(&met, &leaf.tags);
                 *t_max = best.t;
                 false
             });
             one.walk(&trees.triangles, best.t, scratch, |leaf, t_max| {
                 let (seen, met) = one.meet::<D>(leaf, *t_max, &mut lanes);
-                best.take(seen, met.t, met.u, met.v, &leaf.tags);
+                best.take(&Met { lanes: Mask8::from_bits(seen), t: met.t, u: met.u, v: met.v }, &leaf.tags);
                 *t_max = best.t;
                 false
             });
