@@ -212,6 +212,29 @@ fn threads_and_tiles_make_no_difference_to_a_bit() {
     }
 }
 
+/// A wall of a lamp, most of it below the horizon of the floor: many places see some of its points but none of the four
+/// that go first, one in each quarter.
+#[test]
+fn a_place_that_none_of_the_first_rays_leaves_is_asked_about_the_rest_whatever_it_is_grouped_with() {
+    let wall = LightKind::Rectangle {
+        corner: Vec3::new(-3.0, -2.0, -4.0),
+        edges: [Vec3::X * 6.0, Vec3::Y * 2.3],
+        spread: Spread::Even,
+    };
+    let lights = vec![Light { intensity: Rgb::splat(60.0), ..lamp(wall, Falloff::InverseSquare) }];
+    let mut scene = still_life(lights, LampSampling { count: 16, ..LampSampling::default() });
+    let first = native(&scene, &Options { threads: 1, tile: 1000, ..Options::default() });
+    for tile in [1, 4, 8, 17] {
+        let other = native(&scene, &Options { tile, ..Options::default() });
+        assert_eq!(first.film.pixels, other.film.pixels, "tiles of {tile}");
+        assert_eq!(first.rays.of(RayKind::Shadow), other.rays.of(RayKind::Shadow));
+    }
+    scene.settings.lamps.probe = false;
+    let all = native(&scene, &Options::default());
+    let sum = |film: &Film| film.pixels.iter().map(|p| f64::from(p[0])).sum::<f64>();
+    assert!((sum(&first.film) / sum(&all.film) - 1.0).abs() < 1e-2, "{} {}", sum(&first.film), sum(&all.film));
+}
+
 #[test]
 fn a_lamp_lights_what_nothing_shades_as_a_point_in_its_middle_does_from_afar() {
     let position = Vec3::new(3.0, 40.0, 9.0);

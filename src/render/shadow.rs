@@ -29,6 +29,9 @@ impl<I: Intersector> Worker<'_, I> {
 
     /// Traces the shadow rays that are asked first, gives their places the answers, and adds what counts of their light.
     pub(super) fn answer_probes(&mut self, depth: usize, coherence: Coherence) {
+        if self.shading.probes.queue.is_empty() {
+            return;
+        }
         let mut chunk = std::mem::take(&mut self.shadow_chunk);
         chunk.clear();
         self.shading.probes.queue.take(usize::MAX, &mut chunk);

@@ -236,7 +236,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 continue;
             }
             run(self, soft.ask);
-            if !self.shading.probes.queue.is_empty() {
+            if soft.probes {
                 self.answer_probes(depth, coherence);
                 run(self, soft.settle);
             }
