@@ -128,6 +128,12 @@ impl<'a> MediaTable<'a> {
         Self { spectrum: Some(spectrum), ..Self::new(media) }
     }
 
+    /// Whether white light is divided.
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        self.spectrum.is_some()
+    }
+
     /// Makes ready for the `sample`th rays of the pixels, with the wavelengths of those. Stacks and fans of earlier
     /// samples mean nothing any more.
     pub fn begin_sample(&mut self, sample: u32) {

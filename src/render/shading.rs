@@ -129,17 +129,19 @@ impl<'a> Shading<'a> {
         &mut self.queues[depth][usize::from(kind == RayKind::Transmitted)]
     }
 
-    /// The deepest queue that holds anything: taking from it first keeps the others short.
-    pub fn deepest(&self) -> Option<(usize, RayKind)> {
-        self.queues.iter().enumerate().rev().find_map(|(depth, [reflected, transmitted])| {
+    /// The deepest queue that holds `enough` rays for a long stream; where none does, the shallowest that holds any, whose
+    /// children join those that wait below. So no queue holds more than the children of two streams.
+    pub fn next_queue(&self, enough: usize) -> Option<(usize, RayKind)> {
+        let longer = |(depth, [reflected, transmitted]): (usize, &[Queue; 2])| {
             if transmitted.len() > reflected.len() {
-                Some((depth, RayKind::Transmitted))
-            } else if !reflected.is_empty() {
-                Some((depth, RayKind::Reflected))
+                (depth, RayKind::Transmitted, transmitted.len())
             } else {
-                None
+                (depth, RayKind::Reflected, reflected.len())
             }
-        })
+        };
+        let queues = || self.queues.iter().enumerate().map(longer);
+        let full = queues().rev().find(|&(.., rays)| rays >= enough);
+        full.or_else(|| queues().find(|&(.., rays)| rays > 0)).map(|(depth, kind, _)| (depth, kind))
     }
 
     /// Queues secondary rays of a hit at `depth`, but for those that the depth limit or the cut-off ends.

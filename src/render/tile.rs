@@ -42,14 +42,15 @@ impl Tile {
         self.width as usize * self.height as usize
     }
 
-    /// Packets that cover it, block by block, so that rays near in the stream are near in the picture.
-    pub fn packets(&self) -> impl Iterator<Item = PixelPacket> + use<> {
+    /// Packets that cover it, in blocks, so that rays near in the stream are near in the picture.
+    pub fn blocks(&self) -> impl Iterator<Item = [PixelPacket; 8]> + use<> {
         let tile = *self;
-        let blocks = |extent: u32| (0..extent).step_by(BLOCK as usize);
-        blocks(tile.height).flat_map(move |by| {
-            blocks(tile.width).flat_map(move |bx| {
-                (0..BLOCK).step_by(2).flat_map(move |py| {
-                    (0..BLOCK).step_by(4).map(move |px| PixelPacket { x: tile.x + bx + px, y: tile.y + by + py })
+        let starts = |extent: u32| (0..extent).step_by(BLOCK as usize);
+        starts(tile.height).flat_map(move |by| {
+            starts(tile.width).map(move |bx| {
+                std::array::from_fn(|i| {
+                    let (column, row) = (i as u32 % 2, i as u32 / 2);
+                    PixelPacket { x: tile.x + bx + 4 * column, y: tile.y + by + 2 * row }
                 })
             })
         })
@@ -90,7 +91,7 @@ mod tests {
             let mut seen = vec![0; (w * h) as usize];
             for tile in Tile::cover(w, h, edge) {
                 let mut numbers = Vec::new();
-                for packet in tile.packets() {
+                for packet in tile.blocks().flatten() {
                     for k in 0..8 {
                         if let Some(number) = packet.pixel(&tile, k) {
                             numbers.push(number);

@@ -1,5 +1,7 @@
 //! One thread's share of a render: tiles of camera rays, and everything that follows from them.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::accumulate::set_lanes;
@@ -103,7 +105,8 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// Renders one tile into the accumulator, sample by sample, so that memory does not grow with their number.
+    /// Renders one tile into the accumulator, as many samples at once as make long streams, so that memory does not grow
+    /// with their number.
     ///
     /// # Errors
     /// [`Error::Interrupted`] once the observer says stop.
@@ -111,13 +114,15 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.shading.accumulator.reset(tile.pixels());
         self.shading.tile = *tile;
         let n = self.shading.scene.settings.samples;
-        for sample in 0..n * n {
-            self.begin(sample);
+        let mut samples = 0..0;
+        while samples.end < n * n {
+            samples = samples.end..(n * n).min(samples.end + self.samples_at_once(tile));
+            self.begin(samples.start);
             let mut chunk = std::mem::take(&mut self.chunk);
             chunk.clear();
-            self.camera_rays(tile, sample % n, sample / n, &mut chunk);
+            self.camera_rays(tile, samples.clone(), &mut chunk);
             self.step(&mut chunk, 0, RayKind::Camera)?;
-            while let Some((depth, kind)) = self.shading.deepest() {
+            while let Some((depth, kind)) = self.shading.next_queue(8 * CHUNK_PACKETS) {
                 chunk.clear();
                 self.shading.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
                 self.step(&mut chunk, depth, kind)?;
@@ -127,36 +132,54 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
-    /// Makes ready for the pixels' rays of one number.
+    /// How many rays of each pixel of a tile go together. Where lamps have an extent or media disperse, what becomes of
+    /// a ray depends on its number, which is known of one sample at a time.
+    fn samples_at_once(&self, tile: &Tile) -> u32 {
+        let numbered = self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
+        if numbered {
+            return 1;
+        }
+        let n = self.shading.scene.settings.samples;
+        let most = (8 * CHUNK_PACKETS / tile.pixels().max(1)).clamp(1, (n * n).max(1) as usize) as u32;
+        // No remainder that is much smaller than the others.
+        (n * n).div_ceil((n * n).div_ceil(most))
+    }
+
+    /// Makes ready for the pixels' rays of one number, or of that and others where numbers do not matter.
     pub(super) fn begin(&mut self, sample: u32) {
         self.shading.sample = sample;
         self.shading.media.begin_sample(sample);
         self.eye_stack = self.shading.media.stack_of(self.eye_media);
     }
 
-    /// Fills the chunk with one camera ray for each pixel of the tile: packets of 4 by 2 pixels, in blocks of 8 by 8.
-    pub(super) fn camera_rays(&self, tile: &Tile, sample_x: u32, sample_y: u32, chunk: &mut Chunk) {
+    /// Fills the chunk with camera rays for each pixel of the tile, those of some numbers: packets of 4 by 2 pixels, in
+    /// blocks of 8 by 8, each block as often as there are samples before the next.
+    pub(super) fn camera_rays(&self, tile: &Tile, samples: Range<u32>, chunk: &mut Chunk) {
         let n = self.shading.scene.settings.samples;
-        let (dx, dy) = (sample_offset(sample_x, n), sample_offset(sample_y, n));
-        for block in tile.packets() {
-            let at = |k: usize| block.pixel(tile, k);
-            let active = lane_bits(|k| at(k).is_some());
-            if active == 0 {
-                continue;
-            }
-            let x = F32x8::from_fn(|k| block.x(k) as f32) + dx;
-            let y = F32x8::from_fn(|k| block.y(k) as f32) + dy;
-            let (origin, dir) = self.lens.rays8(x, y);
-            chunk.rays.push(Ray8 { origin, dir, active, ..Ray8::default() });
-            chunk.states.push(State8 {
-                weight: Vec3x8::splat(Vec3::ONE),
-                pixel: std::array::from_fn(|k| at(k).unwrap_or(0)),
-                stack: [self.eye_stack; 8],
-                lead: F32x8::ZERO,
-                passes: [0; 8],
-            });
-            if self.shading.carries {
-                chunk.extras.push(Extra8::fresh(dir));
+        for block in tile.blocks() {
+            for sample in samples.clone() {
+                let (dx, dy) = (sample_offset(sample % n, n), sample_offset(sample / n, n));
+                for packet in block {
+                    let at = |k: usize| packet.pixel(tile, k);
+                    let active = lane_bits(|k| at(k).is_some());
+                    if active == 0 {
+                        continue;
+                    }
+                    let x = F32x8::from_fn(|k| packet.x(k) as f32) + dx;
+                    let y = F32x8::from_fn(|k| packet.y(k) as f32) + dy;
+                    let (origin, dir) = self.lens.rays8(x, y);
+                    chunk.rays.push(Ray8 { origin, dir, active, ..Ray8::default() });
+                    chunk.states.push(State8 {
+                        weight: Vec3x8::splat(Vec3::ONE),
+                        pixel: std::array::from_fn(|k| at(k).unwrap_or(0)),
+                        stack: [self.eye_stack; 8],
+                        lead: F32x8::ZERO,
+                        passes: [0; 8],
+                    });
+                    if self.shading.carries {
+                        chunk.extras.push(Extra8::fresh(dir));
+                    }
+                }
             }
         }
     }

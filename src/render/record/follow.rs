@@ -54,7 +54,7 @@ pub fn record<I: Intersector>(worker: &mut Worker<I>, tile: &Tile) -> Result<Tre
         let mut chunk = Chunk::default();
         worker.shading.tile = *tile;
         worker.begin(sample);
-        worker.camera_rays(tile, sample % n, sample / n, &mut chunk);
+        worker.camera_rays(tile, sample..sample + 1, &mut chunk);
         let chunk = alone(&chunk, 0, 0);
         let node = tree.sent(event(&worker.shading, &chunk, None, RayKind::Camera, 0));
         let mut waiting = vec![Waiting { chunk, depth: 0, kind: RayKind::Camera, node }];
@@ -327,7 +327,7 @@ struct Tried {
 /// Takes every ray out of the queues, each into a packet of its own.
 fn drained(shading: &mut Shading) -> Vec<(RayKind, usize, Chunk)> {
     let mut rays = Vec::new();
-    while let Some((depth, kind)) = shading.deepest() {
+    while let Some((depth, kind)) = shading.next_queue(usize::MAX) {
         let mut chunk = Chunk::default();
         shading.queue(kind, depth).take(usize::MAX, &mut chunk);
         for (packet, ray) in chunk.rays.iter().enumerate() {
