@@ -20,6 +20,9 @@ pub struct PixelPacket {
     y: u32,
 }
 
+/// The packets of 8 by 8 pixels.
+pub type Block = [PixelPacket; 8];
+
 /// Edge of the blocks in which packets follow each other, in pixels.
 const BLOCK: u32 = 8;
 
@@ -42,19 +45,31 @@ impl Tile {
         self.width as usize * self.height as usize
     }
 
-    /// Packets that cover it, in blocks, so that rays near in the stream are near in the picture.
-    pub fn blocks(&self) -> impl Iterator<Item = [PixelPacket; 8]> + use<> {
-        let tile = *self;
-        let starts = |extent: u32| (0..extent).step_by(BLOCK as usize);
-        starts(tile.height).flat_map(move |by| {
-            starts(tile.width).map(move |bx| {
-                std::array::from_fn(|i| {
-                    let (column, row) = (i as u32 % 2, i as u32 / 2);
-                    PixelPacket { x: tile.x + bx + 4 * column, y: tile.y + by + 2 * row }
-                })
+    /// Packets that cover it, in blocks. Four blocks that follow each other are mostly a square, and sixteen are one, so
+    /// that rays near in the stream are near in the picture.
+    #[must_use]
+    pub fn blocks(&self) -> Vec<Block> {
+        let (columns, rows) = (self.width.div_ceil(BLOCK), self.height.div_ceil(BLOCK));
+        let mut places: Vec<(u32, u32)> = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).collect();
+        places.sort_by_key(|&(x, y)| spread(x) | spread(y) << 1);
+        let block = |(column, row): (u32, u32)| -> Block {
+            std::array::from_fn(|i| {
+                let (x, y) = (self.x + BLOCK * column, self.y + BLOCK * row);
+                PixelPacket { x: x + 4 * (i as u32 % 2), y: y + 2 * (i as u32 / 2) }
             })
-        })
+        };
+        places.into_iter().map(block).collect()
     }
+}
+
+/// The bits of a number with a zero above each (the order of Morton 1966).
+fn spread(x: u32) -> u64 {
+    let part = |x: u64, by: u32, mask: u64| (x | x << by) & mask;
+    let x = part(u64::from(x), 16, 0x0000_ffff_0000_ffff);
+    let x = part(x, 8, 0x00ff_00ff_00ff_00ff);
+    let x = part(x, 4, 0x0f0f_0f0f_0f0f_0f0f);
+    let x = part(x, 2, 0x3333_3333_3333_3333);
+    part(x, 1, 0x5555_5555_5555_5555)
 }
 
 impl PixelPacket {
@@ -91,7 +106,7 @@ mod tests {
             let mut seen = vec![0; (w * h) as usize];
             for tile in Tile::cover(w, h, edge) {
                 let mut numbers = Vec::new();
-                for packet in tile.blocks().flatten() {
+                for packet in tile.blocks().into_iter().flatten() {
                     for k in 0..8 {
                         if let Some(number) = packet.pixel(&tile, k) {
                             numbers.push(number);

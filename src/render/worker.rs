@@ -18,7 +18,7 @@ use super::soft::{SoftStage, SoftStages};
 use super::split::lane_bits;
 use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
-use super::tile::Tile;
+use super::tile::{Block, Tile};
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
 use crate::scene::Scene;
@@ -30,6 +30,15 @@ pub const MOST_PASSES: u16 = 256;
 
 /// Packets traced at a time. Bounds memory: a queue never holds more than the children of two chunks.
 const CHUNK_PACKETS: usize = 1024;
+
+/// Packets of camera rays that set out together.
+const CAMERA_PACKETS: usize = 320;
+
+/// Blocks of 8 by 8 pixels, and rays of each pixel, that are followed together.
+struct AtOnce {
+    blocks: usize,
+    samples: u32,
+}
 
 /// Everything a thread needs, kept from tile to tile so that nothing is allocated once it is warm.
 pub struct Worker<'a, I: Intersector> {
@@ -105,44 +114,53 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// Renders one tile into the accumulator, as many samples at once as make long streams, so that memory does not grow
-    /// with their number.
+    /// Renders one tile into the accumulator, part by part, so that memory does not grow with the number of samples.
     ///
     /// # Errors
     /// [`Error::Interrupted`] once the observer says stop.
     pub fn tile(&mut self, tile: &Tile) -> Result<()> {
         self.shading.accumulator.reset(tile.pixels());
         self.shading.tile = *tile;
-        let n = self.shading.scene.settings.samples;
-        let mut samples = 0..0;
-        while samples.end < n * n {
-            samples = samples.end..(n * n).min(samples.end + self.samples_at_once(tile));
-            self.begin(samples.start);
-            let mut chunk = std::mem::take(&mut self.chunk);
-            chunk.clear();
-            self.camera_rays(tile, samples.clone(), &mut chunk);
-            self.step(&mut chunk, 0, RayKind::Camera)?;
-            while let Some((depth, kind)) = self.shading.next_queue(8 * CHUNK_PACKETS) {
-                chunk.clear();
-                self.shading.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
-                self.step(&mut chunk, depth, kind)?;
+        let blocks = tile.blocks();
+        let at_once = self.at_once();
+        for part in blocks.chunks(at_once.blocks) {
+            let n = self.shading.scene.settings.samples;
+            let mut samples = 0..0;
+            while samples.end < n * n {
+                samples = samples.end..(n * n).min(samples.end + at_once.samples);
+                self.part(tile, part, samples.clone())?;
             }
-            self.chunk = chunk;
         }
         Ok(())
     }
 
-    /// How many rays of each pixel of a tile go together. Where lamps have an extent or media disperse, what becomes of
-    /// a ray depends on its number, which is known of one sample at a time.
-    fn samples_at_once(&self, tile: &Tile) -> u32 {
+    /// Follows the camera rays of some numbers through the pixels of some blocks to their ends.
+    fn part(&mut self, tile: &Tile, blocks: &[Block], samples: Range<u32>) -> Result<()> {
+        self.begin(samples.start);
+        let mut chunk = std::mem::take(&mut self.chunk);
+        chunk.clear();
+        self.camera_rays(tile, blocks, samples, &mut chunk);
+        self.step(&mut chunk, 0, RayKind::Camera)?;
+        while let Some((depth, kind)) = self.shading.next_queue(8 * CHUNK_PACKETS) {
+            chunk.clear();
+            self.shading.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
+            self.step(&mut chunk, depth, kind)?;
+        }
+        self.chunk = chunk;
+        Ok(())
+    }
+
+    /// How many camera rays go together: all of a pixel's and those of as many pixels as make long streams, and no more,
+    /// since what is near in the picture is near in the caches. Where lamps have an extent or media disperse, what becomes
+    /// of a ray depends on its number, which is known of one number at a time.
+    fn at_once(&self) -> AtOnce {
         let numbered = self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
         if numbered {
-            return 1;
+            return AtOnce { blocks: usize::MAX, samples: 1 };
         }
         let n = self.shading.scene.settings.samples;
-        let most = (8 * CHUNK_PACKETS / tile.pixels().max(1)).clamp(1, (n * n).max(1) as usize) as u32;
-        // No remainder that is much smaller than the others.
-        (n * n).div_ceil((n * n).div_ceil(most))
+        let samples = (n * n).clamp(1, (CHUNK_PACKETS / 8) as u32);
+        AtOnce { blocks: (CAMERA_PACKETS / 8 / samples as usize).max(1), samples }
     }
 
     /// Makes ready for the pixels' rays of one number, or of that and others where numbers do not matter.
@@ -152,11 +170,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.eye_stack = self.shading.media.stack_of(self.eye_media);
     }
 
-    /// Fills the chunk with camera rays for each pixel of the tile, those of some numbers: packets of 4 by 2 pixels, in
-    /// blocks of 8 by 8, each block as often as there are samples before the next.
-    pub(super) fn camera_rays(&self, tile: &Tile, samples: Range<u32>, chunk: &mut Chunk) {
+    /// Fills the chunk with camera rays of some numbers for each pixel of some blocks of the tile, each block as often as
+    /// there are numbers before the next.
+    pub(super) fn camera_rays(&self, tile: &Tile, blocks: &[Block], samples: Range<u32>, chunk: &mut Chunk) {
         let n = self.shading.scene.settings.samples;
-        for block in tile.blocks() {
+        for block in blocks {
             for sample in samples.clone() {
                 let (dx, dy) = (sample_offset(sample % n, n), sample_offset(sample / n, n));
                 for packet in block {

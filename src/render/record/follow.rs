@@ -54,7 +54,7 @@ pub fn record<I: Intersector>(worker: &mut Worker<I>, tile: &Tile) -> Result<Tre
         let mut chunk = Chunk::default();
         worker.shading.tile = *tile;
         worker.begin(sample);
-        worker.camera_rays(tile, sample..sample + 1, &mut chunk);
+        worker.camera_rays(tile, &tile.blocks(), sample..sample + 1, &mut chunk);
         let chunk = alone(&chunk, 0, 0);
         let node = tree.sent(event(&worker.shading, &chunk, None, RayKind::Camera, 0));
         let mut waiting = vec![Waiting { chunk, depth: 0, kind: RayKind::Camera, node }];
