@@ -35,8 +35,6 @@ pub struct SoftStages {
     pub shadows: bool,
     /// Adds its light where it casts none.
     pub open: SoftStage,
-    /// Whether some of its shadow rays go first.
-    pub probes: bool,
     /// Queues its shadow rays; where some go first, only those.
     pub ask: SoftStage,
     /// Once they have been traced: settles the rest of its points, also of places that none of the first ones left.
@@ -102,19 +100,12 @@ fn pick_for<L: Lamp>(light: &Light, shiny: bool, sampling: &LampSampling) -> Sof
         (true, true) => [open::<L, true, true>, ask::<L, true, true>, settle::<L, true, true>],
     };
     let surfaces = (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1);
-    SoftStages {
-        shadows: light.shadows,
-        open,
-        probes: probes(sampling, LampPoints::new(sampling).count()),
-        ask,
-        settle,
-        surfaces,
-    }
+    SoftStages { shadows: light.shadows, open, ask, settle, surfaces }
 }
 
-/// Whether asking first saves more than it costs: not where there is little to be left out.
-fn probes(sampling: &LampSampling, points: u32) -> bool {
-    sampling.probe && points > PROBES + CORNERS
+/// Whether some of a lamp's shadow rays go first: not where there is too little to be left out for what asking costs.
+pub fn probing(shading: &Shading) -> bool {
+    shading.scene.settings.lamps.probe && shading.points.count() > PROBES + CORNERS
 }
 
 /// A kind of lamp.
@@ -243,7 +234,7 @@ fn ask<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
 ) {
     let Some(lamp) = L::of(&shading.scene.lights[number]) else { return };
     let count = shading.points.count();
-    let probing = probes(&shading.scene.settings.lamps, count);
+    let probing = probing(shading);
     shading.probes.verdicts.clear();
     shading.probes.verdicts.resize(surfaces.len() * 8, Verdict::default());
     for (place, (surface, base)) in surfaces.iter().zip(bases).enumerate() {

@@ -45,20 +45,16 @@ impl Tile {
         self.width as usize * self.height as usize
     }
 
-    /// Packets that cover it, in blocks. Four blocks that follow each other are mostly a square, and sixteen are one, so
-    /// that rays near in the stream are near in the picture.
-    #[must_use]
-    pub fn blocks(&self) -> Vec<Block> {
-        let (columns, rows) = (self.width.div_ceil(BLOCK), self.height.div_ceil(BLOCK));
-        let mut places: Vec<(u32, u32)> = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))).collect();
-        places.sort_by_key(|&(x, y)| spread(x) | spread(y) << 1);
-        let block = |(column, row): (u32, u32)| -> Block {
-            std::array::from_fn(|i| {
-                let (x, y) = (self.x + BLOCK * column, self.y + BLOCK * row);
-                PixelPacket { x: x + 4 * (i as u32 % 2), y: y + 2 * (i as u32 / 2) }
-            })
-        };
-        places.into_iter().map(block).collect()
+    /// Fills `blocks` with the packets that cover it. Four blocks that follow each other are mostly a square, and sixteen
+    /// are one, so that rays near in the stream are near in the picture.
+    pub fn blocks(&self, blocks: &mut Vec<Block>) {
+        let starts = |extent: u32| (0..extent).step_by(BLOCK as usize);
+        let corner = starts(self.height).flat_map(|y| starts(self.width).map(move |x| (self.x + x, self.y + y)));
+        blocks.clear();
+        blocks.extend(corner.map(|(x, y)| -> Block {
+            std::array::from_fn(|i| PixelPacket { x: x + 4 * (i as u32 % 2), y: y + 2 * (i as u32 / 2) })
+        }));
+        blocks.sort_unstable_by_key(|[first, ..]| spread(first.x - self.x) | spread(first.y - self.y) << 1);
     }
 }
 
@@ -106,7 +102,9 @@ mod tests {
             let mut seen = vec![0; (w * h) as usize];
             for tile in Tile::cover(w, h, edge) {
                 let mut numbers = Vec::new();
-                for packet in tile.blocks().into_iter().flatten() {
+                let mut blocks = Vec::new();
+                tile.blocks(&mut blocks);
+                for packet in blocks.into_iter().flatten() {
                     for k in 0..8 {
                         if let Some(number) = packet.pixel(&tile, k) {
                             numbers.push(number);

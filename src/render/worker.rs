@@ -14,11 +14,11 @@ use super::options::{Observer, Options};
 use super::outcome::{RayKind, Stage};
 use super::queue::{Chunk, Rgb8, State8};
 use super::shading::Shading;
-use super::soft::{SoftStage, SoftStages};
+use super::soft::{SoftStage, SoftStages, probing};
 use super::split::lane_bits;
 use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
-use super::tile::{Block, Tile};
+use super::tile::{Block, PixelPacket, Tile};
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
 use crate::scene::Scene;
@@ -53,6 +53,7 @@ pub struct Worker<'a, I: Intersector> {
     /// By object.
     pub(super) bin_of: Vec<u8>,
 
+    blocks: Vec<Block>,
     chunk: Chunk,
     hits: Vec<Hit8>,
     bins: [Vec<HitRef>; BINS],
@@ -97,6 +98,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             eye_stack,
             eye_media,
             bin_of: scene.objects.iter().map(bin).collect(),
+            blocks: Vec::new(),
             chunk: Chunk::default(),
             hits: Vec::new(),
             bins: Default::default(),
@@ -121,16 +123,16 @@ impl<'a, I: Intersector> Worker<'a, I> {
     pub fn tile(&mut self, tile: &Tile) -> Result<()> {
         self.shading.accumulator.reset(tile.pixels());
         self.shading.tile = *tile;
-        let blocks = tile.blocks();
-        let at_once = self.at_once();
+        let samples = self.shading.scene.settings.samples.pow(2);
+        let at_once = self.at_once(samples);
+        let mut blocks = std::mem::take(&mut self.blocks);
+        tile.blocks(&mut blocks);
         for part in blocks.chunks(at_once.blocks) {
-            let n = self.shading.scene.settings.samples;
-            let mut samples = 0..0;
-            while samples.end < n * n {
-                samples = samples.end..(n * n).min(samples.end + at_once.samples);
-                self.part(tile, part, samples.clone())?;
+            for first in (0..samples).step_by(at_once.samples as usize) {
+                self.part(tile, part, first..samples.min(first + at_once.samples))?;
             }
         }
+        self.blocks = blocks;
         Ok(())
     }
 
@@ -153,13 +155,12 @@ impl<'a, I: Intersector> Worker<'a, I> {
     /// How many camera rays go together: all of a pixel's and those of as many pixels as make long streams, and no more,
     /// since what is near in the picture is near in the caches. Where lamps have an extent or media disperse, what becomes
     /// of a ray depends on its number, which is known of one number at a time.
-    fn at_once(&self) -> AtOnce {
+    fn at_once(&self, samples: u32) -> AtOnce {
         let numbered = self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
         if numbered {
             return AtOnce { blocks: usize::MAX, samples: 1 };
         }
-        let n = self.shading.scene.settings.samples;
-        let samples = (n * n).clamp(1, (CHUNK_PACKETS / 8) as u32);
+        let samples = samples.clamp(1, (CHUNK_PACKETS / 8) as u32);
         AtOnce { blocks: (CAMERA_PACKETS / 8 / samples as usize).max(1), samples }
     }
 
@@ -177,28 +178,32 @@ impl<'a, I: Intersector> Worker<'a, I> {
         for block in blocks {
             for sample in samples.clone() {
                 let (dx, dy) = (sample_offset(sample % n, n), sample_offset(sample / n, n));
-                for packet in block {
-                    let at = |k: usize| packet.pixel(tile, k);
-                    let active = lane_bits(|k| at(k).is_some());
-                    if active == 0 {
-                        continue;
-                    }
-                    let x = F32x8::from_fn(|k| packet.x(k) as f32) + dx;
-                    let y = F32x8::from_fn(|k| packet.y(k) as f32) + dy;
-                    let (origin, dir) = self.lens.rays8(x, y);
-                    chunk.rays.push(Ray8 { origin, dir, active, ..Ray8::default() });
-                    chunk.states.push(State8 {
-                        weight: Vec3x8::splat(Vec3::ONE),
-                        pixel: std::array::from_fn(|k| at(k).unwrap_or(0)),
-                        stack: [self.eye_stack; 8],
-                        lead: F32x8::ZERO,
-                        passes: [0; 8],
-                    });
-                    if self.shading.carries {
-                        chunk.extras.push(Extra8::fresh(dir));
-                    }
-                }
+                block.iter().for_each(|packet| self.camera_packet(tile, packet, dx, dy, chunk));
             }
+        }
+    }
+
+    /// Adds the rays through the pixels of a packet, moved by so much within them, but for those outside the tile.
+    #[inline]
+    fn camera_packet(&self, tile: &Tile, packet: &PixelPacket, dx: F32x8, dy: F32x8, chunk: &mut Chunk) {
+        let at = |k: usize| packet.pixel(tile, k);
+        let active = lane_bits(|k| at(k).is_some());
+        if active == 0 {
+            return;
+        }
+        let x = F32x8::from_fn(|k| packet.x(k) as f32) + dx;
+        let y = F32x8::from_fn(|k| packet.y(k) as f32) + dy;
+        let (origin, dir) = self.lens.rays8(x, y);
+        chunk.rays.push(Ray8 { origin, dir, active, ..Ray8::default() });
+        chunk.states.push(State8 {
+            weight: Vec3x8::splat(Vec3::ONE),
+            pixel: std::array::from_fn(|k| at(k).unwrap_or(0)),
+            stack: [self.eye_stack; 8],
+            lead: F32x8::ZERO,
+            passes: [0; 8],
+        });
+        if self.shading.carries {
+            chunk.extras.push(Extra8::fresh(dir));
         }
     }
 
@@ -277,7 +282,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 continue;
             }
             run(self, soft.ask);
-            if soft.probes {
+            if probing(&self.shading) {
                 self.answer_probes(depth, coherence);
                 run(self, soft.settle);
             }

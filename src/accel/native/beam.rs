@@ -71,7 +71,7 @@ impl Beam {
         Self::between(low, high, octant)
     }
 
-    /// By lane as [`super::rays::Hot`] has a ray, the least and the greatest numbers of some rays.
+    /// By lane as [`Way8::rows`] has a ray, the least and the greatest numbers of some rays.
     #[inline(always)]
     fn between(low: F32x8, high: F32x8, octant: [usize; 3]) -> Self {
         let backwards = octant[0] | octant[1] << 1 | octant[2] << 2;

@@ -58,7 +58,7 @@ impl Hot8 {
 
     /// Start and inverse direction of one of them, in all lanes.
     #[inline(always)]
-    pub fn slab(&self, lane: usize) -> SlabRay<F32x8> {
+    fn slab(&self, lane: usize) -> SlabRay<F32x8> {
         let all = |of: &[F32x8; 3]| {
             let at = |k: usize| F32x8::from(of[k].lane(lane & 7));
             Vec3x8::new(at(0), at(1), at(2))

@@ -49,12 +49,14 @@ struct Sent {
 pub fn record<I: Intersector>(worker: &mut Worker<I>, tile: &Tile) -> Result<Tree> {
     let mut tree = Tree::default();
     worker.shading.accumulator.reset(1);
+    let mut blocks = Vec::new();
+    tile.blocks(&mut blocks);
     let n = worker.shading.scene.settings.samples;
     for sample in 0..n * n {
         let mut chunk = Chunk::default();
         worker.shading.tile = *tile;
         worker.begin(sample);
-        worker.camera_rays(tile, &tile.blocks(), sample..sample + 1, &mut chunk);
+        worker.camera_rays(tile, &blocks, sample..sample + 1, &mut chunk);
         let chunk = alone(&chunk, 0, 0);
         let node = tree.sent(event(&worker.shading, &chunk, None, RayKind::Camera, 0));
         let mut waiting = vec![Waiting { chunk, depth: 0, kind: RayKind::Camera, node }];
