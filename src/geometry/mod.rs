@@ -1,6 +1,7 @@
 //! Rays, hits and the shapes that rays meet. No materials: a shape knows only where it is.
 
 mod aabb;
+pub mod contact;
 mod hit;
 mod mesh;
 pub(crate) mod plane;

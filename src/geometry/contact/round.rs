@@ -1,0 +1,134 @@
+//! Spheres that coincide, and spheres that touch something at a point.
+
+use glam::DVec3;
+
+use super::face::{Face, Form};
+use super::{Found, Tangent, tolerance};
+use crate::geometry::{Geometry, Shape, Sphere};
+
+/// The gap next to a contact counts as closed below so many times the distance that the starts of rays are moved by.
+const GAP: f64 = 4.0;
+
+/// Finds coincident spheres and contacts of spheres with spheres, triangles and planes.
+pub(super) fn find(
+    geometry: &[Geometry],
+    neighbours: &[Vec<u32>],
+    matters: &(dyn Fn(usize, usize) -> bool + Sync),
+    found: &mut Found,
+) {
+    let sphere_at = |o: usize| match &geometry[o].shape {
+        Shape::Sphere(sphere) if sphere.is_usable() => Some(*sphere),
+        _ => None,
+    };
+    let planes: Vec<usize> = (0..geometry.len())
+        .filter(|&o| matches!(&geometry[o].shape, Shape::Plane(plane) if plane.is_usable()))
+        .collect();
+    for object in 0..geometry.len() {
+        let Some(sphere) = sphere_at(object) else { continue };
+        let id = (object as u32, 0);
+        for &other in &neighbours[object] {
+            let other = other as usize;
+            match &geometry[other].shape {
+                Shape::Sphere(_) if other < object => {
+                    let Some(second) = sphere_at(other) else { continue };
+                    match meet(&sphere, &second) {
+                        Meet::Same => found.coincide(id, (other as u32, 0)),
+                        Meet::Touch(tangent) => {
+                            // The smaller one touches the larger one, from outside or from inside.
+                            let ids = [id, (other as u32, 0)];
+                            let ids = if sphere.radius <= second.radius { ids } else { [ids[1], ids[0]] };
+                            found.tangents.push((ids, tangent));
+                        }
+                        Meet::Apart => {}
+                    }
+                }
+                Shape::Mesh(mesh) => {
+                    let (centre, radius) = (sphere.centre, sphere.radius * 1.001);
+                    for i in 0..mesh.triangles.len() {
+                        let [a, b, c] = mesh.corners(i);
+                        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+                        let near = lo.cmple(centre + radius).all() && hi.cmpge(centre - radius).all();
+                        if near && mesh.is_usable(i) {
+                            touch_flat(geometry, id, &sphere, (other as u32, i as u32), found);
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        for &plane in planes.iter().filter(|&&plane| matters(object, plane)) {
+            touch_flat(geometry, id, &sphere, (plane as u32, 0), found);
+        }
+    }
+}
+
+/// A contact of a sphere with a plane, or with a triangle inside it.
+fn touch_flat(
+    geometry: &[Geometry],
+    id: (u32, u32),
+    sphere: &Sphere,
+    (object, primitive): (u32, u32),
+    found: &mut Found,
+) {
+    let face = Face::of(geometry, object, primitive);
+    let (Form::Triangle { normal, .. } | Form::Plane { normal, .. }) = face.form else { return };
+    let (centre, radius) = (sphere.centre.as_dvec3(), f64::from(sphere.radius));
+    let height = face.height(centre);
+    let contact = centre - normal * height;
+    let near = tolerance(face.largest_coordinate(contact).max(centre.abs().max_element()).max(radius));
+    if (height.abs() - radius).abs() > near || !face.covers(contact, near) || normal == DVec3::ZERO {
+        return;
+    }
+    let towards = -normal * height.signum();
+    let tangent = made(geometry, id, &face, contact, towards, 1.0 / radius, true);
+    found.tangents.push(([id, (object, primitive)], tangent));
+}
+
+/// A contact with the zone in which its gap is too narrow for rays that start off its surfaces.
+fn made(
+    geometry: &[Geometry],
+    sphere: (u32, u32),
+    other: &Face,
+    contact: DVec3,
+    towards: DVec3,
+    curvature: f64,
+    gap_outside: bool,
+) -> Tangent {
+    let sphere = Face::of(geometry, sphere.0, sphere.1);
+    let gap = GAP * (sphere.reach(contact) + other.reach(contact));
+    // The gap grows by half of the curvature times the square of the distance.
+    let zone = (2.0 * gap / curvature).sqrt();
+    Tangent { sphere: 0, other: 0, contact, towards, zone, gap_outside }
+}
+
+/// How two spheres lie.
+enum Meet {
+    Same,
+    Touch(Tangent),
+    Apart,
+}
+
+fn meet(a: &Sphere, b: &Sphere) -> Meet {
+    let (small, large) = if a.radius <= b.radius { (a, b) } else { (b, a) };
+    let (c, r) = (small.centre.as_dvec3(), f64::from(small.radius));
+    let (d, s) = (large.centre.as_dvec3(), f64::from(large.radius));
+    let largest = c.abs().max(d.abs()).max_element().max(s);
+    let near = tolerance(largest);
+    let (way, apart) = (d - c, c.distance(d));
+    if apart <= near && s - r <= near {
+        return Meet::Same;
+    }
+    let geometry = [small, large].map(|sphere| Geometry { shape: Shape::Sphere(*sphere), mask: Default::default() });
+    let large = Face::of(&geometry, 1, 0);
+    if (apart - (r + s)).abs() <= near {
+        let towards = way / apart;
+        let contact = c + towards * r;
+        Meet::Touch(made(&geometry, (0, 0), &large, contact, towards, 1.0 / r + 1.0 / s, true))
+    } else if apart > near && (apart - (s - r)).abs() <= near && s - r > 0.0 {
+        let towards = -way / apart;
+        let contact = c + towards * r;
+        Meet::Touch(made(&geometry, (0, 0), &large, contact, towards, 1.0 / r - 1.0 / s, true))
+    } else {
+        Meet::Apart
+    }
+}
