@@ -55,6 +55,7 @@ effects! {
     Dispersion, "dispersion", "media have one index for all of light, that at the line d";
     Absorption, "absorption", "media take nothing of light";
     NestedMedia, "nested-media", "where media overlap, the last entered fills the space";
+    Touching, "touching", "of surfaces that coincide, the one that rounding puts first is met alone";
     Environment, "environment", "rays that meet nothing see black";
     Textures, "textures", "pictures and checkers give way to their mean colours";
     InterpolatedNormals, "interpolated-normals", "meshes are faceted";

@@ -10,6 +10,7 @@ mod reach;
 mod reason;
 mod set;
 mod shell;
+mod touching;
 mod without;
 
 pub use bound::RayBound;
@@ -17,4 +18,5 @@ pub use effect::Effect;
 pub use plan::{Decision, EffectPlan, Options, Pipeline};
 pub use reach::Reach;
 pub use set::EffectSet;
+pub use touching::contacts;
 pub use without::without;

@@ -74,6 +74,7 @@ impl<'a> Facts<'a> {
             Effect::Dispersion => self.dispersion(),
             Effect::Absorption => self.absorption(),
             Effect::NestedMedia => self.stack(),
+            Effect::Touching => self.touching(),
             Effect::Environment => match scene.environment {
                 Environment::Constant(c) if c == Rgb::ZERO => off("it is black"),
                 Environment::Constant(_) => on("rays that meet nothing see one colour"),
@@ -282,6 +283,23 @@ impl<'a> Facts<'a> {
             }
             _ => off("no ray can start in a denser medium"),
         }
+    }
+
+    /// On where surfaces touch: the first pair, and the number of the others.
+    fn touching(&self) -> Answer {
+        let contacts = super::contacts(self.scene);
+        let name = |o: u32| &self.scene.objects[o as usize].name;
+        let Some((first, others)) = contacts.pairs().split_first() else {
+            return off("no surfaces touch");
+        };
+        let [a, b] = first.objects;
+        let what = match (a == b, first.faces) {
+            (true, _) => format!("`{}` has duplicate faces", name(a)),
+            (false, 0) => format!("`{}` touches `{}` at a point", name(a), name(b)),
+            (false, _) => format!("`{}` and `{}` share a surface", name(a), name(b)),
+        };
+        let more = if others.is_empty() { String::new() } else { format!(" (and {} pairs more)", others.len()) };
+        (true, what + &more)
     }
 
     fn absorption(&self) -> Answer {

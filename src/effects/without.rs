@@ -9,13 +9,13 @@ use crate::scene::{
 };
 
 /// The scene without some effects: as [`Effect::left_out`] says of each. Refraction and total internal reflection are
-/// no data of a scene; renderers leave them out by themselves. Shapes stay where they are, so that a hierarchy built of
+/// no data of a scene, nor are contacts; renderers leave them out by themselves. Shapes stay where they are, so that a hierarchy built of
 /// the whole scene's serves this one.
 #[must_use]
 pub fn without(scene: &Scene, effects: EffectSet) -> Cow<'_, Scene> {
     let mut scene = Cow::Borrowed(scene);
     for effect in effects.iter() {
-        if !matches!(effect, Effect::Refraction | Effect::TotalInternalReflection) {
+        if !matches!(effect, Effect::Refraction | Effect::TotalInternalReflection | Effect::Touching) {
             take_out(scene.to_mut(), effect);
         }
     }
@@ -74,7 +74,7 @@ fn take_out(scene: &mut Scene, effect: Effect) {
                 }
             }
         }
-        Effect::Refraction | Effect::TotalInternalReflection => {}
+        Effect::Refraction | Effect::TotalInternalReflection | Effect::Touching => {}
     }
 }
 

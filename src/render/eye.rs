@@ -1,55 +1,48 @@
-//! Which media the eye is in.
+//! Which bodies the eye is in.
 
 use glam::{DVec3, Vec3};
 
 use super::worker::MOST_PASSES;
 use crate::accel::{Coherence, Intersector};
+use crate::geometry::contact::{Contacts, Face};
 use crate::geometry::{GeometryMask, Hit8, Ray, Ray8, Shape};
-use crate::scene::{Interface, Scene};
+use crate::scene::{Bodies, Scene};
 
 /// Where the march goes: upwards, but askew, since straight up would follow the walls of upright boxes and meet the
 /// diagonals of their lids.
 const UPWARDS: DVec3 = DVec3::new(0.137, 1.0, 0.259);
 
-/// The media around the eye, in the order a ray from outside would enter them: what the camera names, or else the half
-/// spaces of planes that hold the eye and every medium whose boundary a march upwards leaves without having entered it.
+/// The bodies around the eye, in the order a ray from outside would enter them: what the camera names, or else the half
+/// spaces of planes that hold the eye and every body whose boundary a march upwards leaves without having entered it.
 #[must_use]
-pub fn media_around<I: Intersector>(scene: &Scene, accel: &I) -> Vec<u32> {
+pub fn bodies_around<I: Intersector>(scene: &Scene, accel: &I, bodies: &Bodies, contacts: &Contacts) -> Vec<u32> {
     match scene.camera.medium {
         // It surrounds everything, and cannot be entered.
         Some(0) => Vec::new(),
-        Some(medium) => vec![medium],
+        Some(medium) => vec![bodies.of_medium(medium)],
         None => {
             // What is left last was entered first.
-            let solids = solids_around(scene, accel);
-            half_spaces_around(scene).into_iter().rev().chain(solids.into_iter().rev()).collect()
+            let solids = solids_around(scene, accel, bodies, contacts);
+            half_spaces_around(scene, bodies).into_iter().rev().chain(solids.into_iter().rev()).collect()
         }
     }
 }
 
-/// The medium that an object encloses, where it encloses one.
-fn enclosed(scene: &Scene, object: usize) -> Option<u32> {
-    match scene.materials[scene.objects[object].material as usize].interface {
-        Interface::Dielectric { medium, .. } => Some(medium),
-        _ => None,
-    }
-}
-
 /// Planes reach everywhere, so that the side of one is no matter of marching.
-fn half_spaces_around(scene: &Scene) -> Vec<u32> {
+fn half_spaces_around(scene: &Scene, bodies: &Bodies) -> Vec<u32> {
     let mut around = Vec::new();
     for (object, geometry) in scene.geometry.iter().enumerate() {
-        let (Shape::Plane(plane), Some(medium)) = (&geometry.shape, enclosed(scene, object)) else { continue };
+        let (Shape::Plane(plane), Some(body)) = (&geometry.shape, bodies.of_object(object as u32)) else { continue };
         let way = scene.camera.eye.as_dvec3() - plane.point.as_dvec3();
         if plane.normal.as_dvec3().dot(way) < 0.0 && geometry.mask.meets(GeometryMask::TRANSMISSIVE) {
-            around.push(medium);
+            around.push(body);
         }
     }
     around
 }
 
-/// Media of spheres and meshes, the innermost first.
-fn solids_around<I: Intersector>(scene: &Scene, accel: &I) -> Vec<u32> {
+/// Bodies of spheres and meshes, the innermost first.
+fn solids_around<I: Intersector>(scene: &Scene, accel: &I, bodies: &Bodies, contacts: &Contacts) -> Vec<u32> {
     let mut scratch = I::Scratch::default();
     let dir: Vec3 = UPWARDS.normalize().as_vec3();
     let mut origin = scene.camera.eye;
@@ -65,16 +58,28 @@ fn solids_around<I: Intersector>(scene: &Scene, accel: &I) -> Vec<u32> {
             break;
         }
         let chunk = super::queue::Chunk { rays, states: vec![super::queue::State8::default()], extras: Vec::new() };
-        let surface = super::surface::Surface8::one(scene, &chunk, &hits);
-        let object = hit.geometry as usize;
-        let solid = !matches!(scene.geometry[object].shape, Shape::Plane(_));
-        if let (Some(medium), true) = (enclosed(scene, object), solid) {
-            if surface.front.lane(0) {
-                entered.push(medium);
-            } else if let Some(at) = entered.iter().rposition(|&m| m == medium) {
+        let mut surface = super::surface::Surface8::one(scene, &chunk, &hits);
+        let (point, away) = (surface.point.lane(0).as_dvec3(), dir.as_dvec3());
+        // Everything that lies at the place is crossed at once.
+        let mut faces = vec![Face::of(&scene.geometry, hit.geometry, hit.primitive)];
+        if contacts.touches(hit.geometry, hit.primitive) {
+            let own = faces.swap_remove(0);
+            contacts.faces_at(hit.geometry, hit.primitive, point, own.reach(point), &mut faces);
+            let beyond = |face: &Face| face.reach(point) + (face.height(point) - own.height(point)).abs();
+            let reach = faces.iter().map(beyond).fold(own.reach(point), f64::max) + own.reach(point);
+            surface.reach.set_lane(0, reach as f32);
+        }
+        let leaves = |face: &Face| face.outward(point).dot(away) > 0.0;
+        faces.sort_by_key(|face| !leaves(face));
+        for face in &faces {
+            let solid = !matches!(scene.geometry[face.object as usize].shape, Shape::Plane(_));
+            let Some(body) = bodies.of_object(face.object).filter(|_| solid) else { continue };
+            if !leaves(face) {
+                entered.push(body);
+            } else if let Some(at) = entered.iter().rposition(|&b| b == body) {
                 entered.remove(at);
             } else {
-                around.push(medium);
+                around.push(body);
             }
         }
         origin = surface.below().lane(0);

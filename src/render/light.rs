@@ -84,7 +84,7 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
             pixel: &surface.pixel,
             stack: &surface.stack,
             lead: surface.lead(dir),
-            passes: &[0; 8],
+            passes: &surface.returning,
             place: surface.place,
             extra: None,
         };

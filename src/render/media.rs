@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use crate::optics::{Boundary, Spectrum};
-use crate::scene::{Medium, Rgb};
+use crate::scene::{Bodies, Medium, Rgb};
 
 /// An interned stack; its meaning is local to one [`MediaTable`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -40,6 +40,8 @@ pub struct Transition {
     pub unmatched: bool,
     /// Where white light crosses into or out of a medium that disperses it: what each wavelength does.
     pub fan: Option<FanId>,
+    /// The media before and behind.
+    pub media: [u32; 2],
 }
 
 /// A boundary for each wavelength of the current set.
@@ -64,14 +66,17 @@ pub struct Band {
 #[derive(Debug)]
 pub struct MediaTable<'a> {
     media: &'a [Medium],
+    bodies: &'a Bodies,
     /// What white light divides into; none where it does not.
     spectrum: Option<Spectrum>,
     /// The set of wavelengths of the current sample.
     set: usize,
     stacks: Vec<Stack>,
     ids: HashMap<Stack, StackId>,
-    /// By stack, then `medium * 2 + entering`.
+    /// By stack, then `body * 2 + entering`.
     transitions: Vec<Vec<Option<Transition>>>,
+    /// By stack and the (body, entering) of surfaces that coincide.
+    joint: HashMap<(StackId, Vec<(u32, bool)>), Transition>,
     tops: Vec<Top>,
     /// By fan, what it is made of.
     plans: Vec<Plan>,
@@ -79,14 +84,14 @@ pub struct MediaTable<'a> {
     fans: Vec<Vec<Fan>>,
 }
 
-/// The media a ray has entered, and its wavelength: 0 is white, others count through all sets.
+/// The bodies a ray has entered by rising rank, and its wavelength: 0 is white, others count through all sets.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Stack {
     entered: Vec<u32>,
     wave: u32,
 }
 
-/// A boundary whose wavelengths may part: the media on its sides, and those a ray behind it has entered.
+/// A boundary whose wavelengths may part: the media on its sides, and the bodies a ray behind it has entered.
 #[derive(Clone, Debug)]
 struct Plan {
     from: u32,
@@ -106,14 +111,16 @@ struct Top {
 impl<'a> MediaTable<'a> {
     /// A table over the scene's media, of which the first surrounds everything. White light stays white.
     #[must_use]
-    pub fn new(media: &'a [Medium]) -> Self {
+    pub fn new(media: &'a [Medium], bodies: &'a Bodies) -> Self {
         let mut table = Self {
             media,
+            bodies,
             spectrum: None,
             set: 0,
             stacks: Vec::new(),
             ids: HashMap::new(),
             transitions: Vec::new(),
+            joint: HashMap::new(),
             tops: Vec::new(),
             plans: Vec::new(),
             fans: Vec::new(),
@@ -124,8 +131,8 @@ impl<'a> MediaTable<'a> {
 
     /// The same, with white light divided where media disperse it.
     #[must_use]
-    pub fn dispersing(media: &'a [Medium], spectrum: Spectrum) -> Self {
-        Self { spectrum: Some(spectrum), ..Self::new(media) }
+    pub fn dispersing(media: &'a [Medium], bodies: &'a Bodies, spectrum: Spectrum) -> Self {
+        Self { spectrum: Some(spectrum), ..Self::new(media, bodies) }
     }
 
     /// Whether white light is divided.
@@ -149,6 +156,7 @@ impl<'a> MediaTable<'a> {
         self.stacks.clear();
         self.ids.clear();
         self.transitions.clear();
+        self.joint.clear();
         self.tops.clear();
         self.plans.clear();
         self.fans.clear();
@@ -156,19 +164,19 @@ impl<'a> MediaTable<'a> {
         self.intern(Stack { entered: Vec::new(), wave: 0 });
     }
 
-    /// The stack of a white ray that entered `entered` in this order.
+    /// The stack of a white ray that entered these bodies.
     pub fn stack_of(&mut self, entered: &[u32]) -> StackId {
         let mut stack = Vec::new();
-        for &m in entered {
-            insert(&mut stack, m, self.media);
+        for &body in entered {
+            insert(&mut stack, body, self.bodies);
         }
         self.intern(Stack { entered: stack, wave: 0 })
     }
 
-    /// The media a ray with this stack has entered, highest priority last.
+    /// The media a ray with this stack has entered, the one that fills the space last.
     #[must_use]
-    pub fn entered(&self, stack: StackId) -> &[u32] {
-        &self.stacks[stack.0 as usize].entered
+    pub fn entered(&self, stack: StackId) -> Vec<u32> {
+        self.stacks[stack.0 as usize].entered.iter().map(|&body| self.bodies.medium(body)).collect()
     }
 
     /// The medium a ray with this stack is in.
@@ -193,15 +201,52 @@ impl<'a> MediaTable<'a> {
         top.absorbs.then_some(top.absorption)
     }
 
-    /// What happens to a ray in `stack` at a surface of `medium`, which it enters or leaves.
+    /// The body of a transparent object; none where it holds no medium.
     #[inline]
-    pub fn cross(&mut self, stack: StackId, medium: u32, entering: bool) -> Transition {
-        let slot = medium as usize * 2 + usize::from(entering);
+    #[must_use]
+    pub fn body_of(&self, object: u32) -> Option<u32> {
+        self.bodies.of_object(object)
+    }
+
+    /// What happens to a ray in `stack` at a surface of `body`, which it enters or leaves.
+    #[inline]
+    pub fn cross(&mut self, stack: StackId, body: u32, entering: bool) -> Transition {
+        let slot = body as usize * 2 + usize::from(entering);
         if let Some(known) = self.transitions[stack.0 as usize][slot] {
             return known;
         }
-        let new = self.resolve(stack, medium, entering);
+        let new = self.resolve(stack, body, entering);
         self.transitions[stack.0 as usize][slot] = Some(new);
+        new
+    }
+
+    /// What happens to a ray in `stack` where the surfaces of several bodies coincide: all that it leaves are removed and
+    /// all that it enters are added, then the media before and behind make one boundary. Equal media make none.
+    pub fn cross_all(&mut self, stack: StackId, surfaces: &[(u32, bool)]) -> Transition {
+        let key = (stack, surfaces.to_vec());
+        if let Some(known) = self.joint.get(&key) {
+            return *known;
+        }
+        let Stack { entered: mut list, wave } = self.stacks[stack.0 as usize].clone();
+        let mut unmatched = None;
+        for &(body, _) in surfaces.iter().filter(|&&(_, entering)| !entering) {
+            match self.place_of(&list, body) {
+                Some(at) => drop(list.remove(at)),
+                None => unmatched = Some(body),
+            }
+        }
+        for &(body, _) in surfaces.iter().filter(|&&(_, entering)| entering) {
+            insert(&mut list, body, self.bodies);
+        }
+        let mut from = self.top(stack);
+        // The medium that is left without having been entered is taken for where the ray is, where nothing else is entered.
+        if let (Some(body), true) = (unmatched, surfaces.iter().all(|&(_, entering)| !entering)) {
+            from = self.bodies.medium(body);
+        }
+        let to = filling(&list, self.bodies, self.media);
+        let real = !self.media[from as usize].is_like(&self.media[to as usize]);
+        let new = self.transition(stack, Stack { entered: list, wave }, [from, to], real, unmatched.is_some());
+        self.joint.insert(key, new);
         new
     }
 
@@ -233,31 +278,60 @@ impl<'a> MediaTable<'a> {
         &self.fans[id.0 as usize][self.set]
     }
 
-    fn resolve(&mut self, stack: StackId, medium: u32, entering: bool) -> Transition {
+    /// The entry of a stack that leaving `body` removes: its own, else another one of its medium.
+    fn place_of(&self, list: &[u32], body: u32) -> Option<usize> {
+        let medium = self.bodies.medium(body);
+        let own = list.iter().rposition(|&b| b == body);
+        own.or_else(|| list.iter().rposition(|&b| self.bodies.medium(b) == medium))
+    }
+
+    fn resolve(&mut self, stack: StackId, body: u32, entering: bool) -> Transition {
         let Stack { entered: mut list, wave } = self.stacks[stack.0 as usize].clone();
+        let medium = self.bodies.medium(body);
         let current = self.top(stack);
-        let (real, from, to, unmatched) = if entering {
-            let real = self.media[medium as usize].priority >= self.media[current as usize].priority;
-            insert(&mut list, medium, self.media);
-            (real, current, medium, false)
-        } else if let Some(at) = list.iter().rposition(|&m| m == medium) {
+        let (real, sides, unmatched) = if entering {
+            let real = self.fills(&list, body);
+            insert(&mut list, body, self.bodies);
+            (real, [current, medium], false)
+        } else if let Some(at) = self.place_of(&list, body) {
+            let top = at + 1 == list.len() && medium == current;
             list.remove(at);
-            (medium == current, medium, filling(&list, self.media), false)
+            (top, [medium, filling(&list, self.bodies, self.media)], false)
         } else {
-            (true, medium, current, true)
+            (true, [medium, current], true)
         };
+        self.transition(stack, Stack { entered: list, wave }, sides, real, unmatched)
+    }
+
+    /// Returns true if `body` fills the space where it is entered by a ray that has entered `list`.
+    fn fills(&self, list: &[u32], body: u32) -> bool {
+        let priority = |m: u32| self.media[m as usize].priority;
+        priority(self.bodies.medium(body)) >= priority(0)
+            && list.last().is_none_or(|&top| self.bodies.rank(body) >= self.bodies.rank(top))
+    }
+
+    /// The boundary between two media for rays of the wavelength of `after`, and the fan of white ones.
+    fn transition(
+        &mut self,
+        before: StackId,
+        after: Stack,
+        [from, to]: [u32; 2],
+        real: bool,
+        unmatched: bool,
+    ) -> Transition {
+        let wave = after.wave;
         let disperses = |m: u32| self.media[m as usize].disperses();
         let parts = real && wave == 0 && self.spectrum.is_some() && (disperses(from) || disperses(to));
         let fan = parts.then(|| {
             let sets = self.spectrum.as_ref().map_or(0, |s| s.sets().len());
-            self.plans.push(Plan { from, to, entered: list.clone() });
+            self.plans.push(Plan { from, to, entered: after.entered.clone() });
             self.fans.push(vec![Fan::default(); sets]);
             FanId(self.plans.len() as u32 - 1)
         });
         let (n1, n2) = (self.index(from, wave), self.index(to, wave));
-        let beyond = self.beyond(stack, Stack { entered: list, wave });
+        let beyond = self.beyond(before, after);
         let thin_side = Boundary::new(n1.min(n2), n1.max(n2));
-        Transition { real, boundary: Boundary::new(n1, n2), thin_side, beyond, unmatched, fan }
+        Transition { real, boundary: Boundary::new(n1, n2), thin_side, beyond, unmatched, fan, media: [from, to] }
     }
 
     fn spread(&mut self, fan: usize) -> Fan {
@@ -299,29 +373,30 @@ impl<'a> MediaTable<'a> {
             return id;
         }
         let id = StackId(self.stacks.len() as u32);
-        let medium = filling(&stack.entered, self.media);
+        let medium = filling(&stack.entered, self.bodies, self.media);
         let ior = self.index(medium, stack.wave);
         let absorption = self.media[medium as usize].absorption;
         self.tops.push(Top { medium, ior, absorption, absorbs: absorption != Rgb::ZERO });
-        self.transitions.push(vec![None; self.media.len() * 2]);
+        self.transitions.push(vec![None; self.bodies.count() * 2]);
         self.ids.insert(stack.clone(), id);
         self.stacks.push(stack);
         id
     }
 }
 
-/// Puts `medium` where its priority belongs: above all of its own priority or lower, below all of higher. The top is
-/// the end of the list.
-fn insert(stack: &mut Vec<u32>, medium: u32, media: &[Medium]) {
-    let priority = media[medium as usize].priority;
-    let at = stack.partition_point(|&m| media[m as usize].priority <= priority);
-    stack.insert(at, medium);
+/// Puts `body` where its rank belongs: above all of its own rank or lower, below all of higher. The top is the end of the
+/// list.
+fn insert(stack: &mut Vec<u32>, body: u32, bodies: &Bodies) {
+    let rank = bodies.rank(body);
+    let at = stack.partition_point(|&b| bodies.rank(b) <= rank);
+    stack.insert(at, body);
 }
 
 /// The medium that fills space where `stack` has been entered: its top, unless what surrounds everything comes before
 /// that.
-fn filling(stack: &[u32], media: &[Medium]) -> u32 {
-    stack.last().copied().filter(|&m| media[m as usize].priority >= media[0].priority).unwrap_or(0)
+fn filling(stack: &[u32], bodies: &Bodies, media: &[Medium]) -> u32 {
+    let top = stack.last().map(|&body| bodies.medium(body));
+    top.filter(|&m| media[m as usize].priority >= media[0].priority).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -341,7 +416,8 @@ mod tests {
     #[test]
     fn water_that_overlaps_its_glass_begins_where_the_glass_ends() {
         let media = drink();
-        let mut table = MediaTable::new(&media);
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::new(&media, &bodies);
         let air = StackId::default();
         // Into the glass wall: air to glass.
         let into_glass = table.cross(air, 1, true);
@@ -367,7 +443,8 @@ mod tests {
     #[test]
     fn leaving_what_was_never_entered_is_counted_and_does_not_underflow() {
         let media = drink();
-        let mut table = MediaTable::new(&media);
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::new(&media, &bodies);
         let t = table.cross(StackId::default(), 1, false);
         assert!(t.real && t.unmatched);
         assert_eq!(t.beyond, StackId::default());
@@ -377,7 +454,8 @@ mod tests {
     #[test]
     fn entering_twice_needs_leaving_twice() {
         let media = drink();
-        let mut table = MediaTable::new(&media);
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::new(&media, &bodies);
         let once = table.cross(StackId::default(), 1, true).beyond;
         let twice = table.cross(once, 1, true);
         assert!(twice.real, "among equals the latest wins");
@@ -391,7 +469,8 @@ mod tests {
         let media: Vec<Medium> = std::iter::once(Medium::air())
             .chain((1..=100).map(|i| medium("shell", 1.0 + f64::from(i) * 0.01, i)))
             .collect();
-        let mut table = MediaTable::new(&media);
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::new(&media, &bodies);
         let mut stack = StackId::default();
         for m in 1..=100 {
             stack = table.cross(stack, m, true).beyond;
@@ -413,7 +492,8 @@ mod tests {
     #[test]
     fn a_wavelength_keeps_its_own_index_in_every_medium_until_it_ends() {
         let media = dispersing();
-        let mut table = MediaTable::dispersing(&media, Spectrum::new(8, 2));
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::dispersing(&media, &bodies, Spectrum::new(8, 2));
         let mut eye = StackId::default();
         for sample in 0..4 {
             table.begin_sample(sample);
@@ -443,9 +523,33 @@ mod tests {
     #[test]
     fn without_a_spectrum_nothing_divides_and_the_line_d_counts() {
         let media = dispersing();
-        let mut table = MediaTable::new(&media);
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::new(&media, &bodies);
         let into = table.cross(StackId::default(), 2, true);
         assert!(into.fan.is_none());
         assert!((f64::from(into.boundary.eta) - 1.0 / media[2].ior).abs() < 1e-6);
+    }
+
+    /// By hand: glass to water at their common face is one boundary; two faces of one glass are none.
+    #[test]
+    fn faces_that_coincide_are_crossed_as_one_boundary() {
+        let mut media = drink();
+        media.push(medium("other glass", 1.5, 10));
+        let bodies = Bodies::one_each(&media);
+        let mut table = MediaTable::new(&media, &bodies);
+        let glass = table.cross(StackId::default(), 1, true).beyond;
+        let into_water = table.cross_all(glass, &[(1, false), (2, true)]);
+        assert!(into_water.real && !into_water.unmatched);
+        assert!((into_water.boundary.eta - (1.5 / 1.33) as f32).abs() < 1e-6);
+        assert_eq!(table.entered(into_water.beyond), [2]);
+        let on = table.cross_all(glass, &[(1, false), (4, true)]);
+        assert!(!on.real);
+        assert_eq!(table.entered(on.beyond), [4]);
+        // Out of both at once, and into both at once.
+        let both = table.cross_all(StackId::default(), &[(2, true), (1, true)]);
+        assert_eq!((table.entered(both.beyond), both.media), (vec![2, 1], [0, 1]));
+        let out = table.cross_all(both.beyond, &[(1, false), (2, false)]);
+        assert_eq!((out.beyond, out.media), (StackId::default(), [1, 0]));
+        assert!(table.cross_all(StackId::default(), &[(1, false), (2, false)]).unmatched);
     }
 }

@@ -22,6 +22,7 @@ mod medium;
 mod options;
 mod outcome;
 mod pattern;
+mod place;
 mod queue;
 pub mod record;
 pub mod reference;
@@ -35,6 +36,7 @@ mod stages;
 mod surface;
 mod through;
 mod tile;
+mod touch;
 mod worker;
 
 pub use ceiling::Ceiling;
@@ -46,13 +48,14 @@ pub use pattern::FilmRay;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::accel::Intersector;
-use crate::effects::{self, Reach};
+use crate::effects::{self, Effect, Reach};
+use crate::geometry::contact::Contacts;
 use crate::image::Film;
-use crate::scene::Scene;
+use crate::scene::{Bodies, Scene};
 use crate::{Error, Result};
 use stages::Stages;
 use tile::Tile;
-use worker::Worker;
+use worker::{Media, Worker};
 
 /// What one tile came to.
 struct TileResult {
@@ -75,12 +78,14 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let settings = &scene.settings;
     room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    let eye_media = eye::media_around(scene, accel);
-    let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
+    let (bodies, contacts) = (Bodies::of(scene), contacts(scene, options));
+    let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
+    let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
-        let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &eye_media, observer);
+        let media = Media { bodies: &bodies, contacts: &contacts, eye: &eye_bodies };
+        let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         let mut results = Vec::new();
         while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             worker.tile(&tile)?;
@@ -150,19 +155,32 @@ pub fn recorded<I: Intersector>(
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
     let scene = &*effects::without(scene, options.effects.without);
-    let eye_media = eye::media_around(scene, accel);
-    let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
+    let (bodies, contacts) = (Bodies::of(scene), contacts(scene, options));
+    let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
+    let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
     if stages.carries {
         return Err(Error::Usage(String::from(
             "the rays of a pixel are written down in eight lanes neither with polarisation nor under a proven cut-off; \
              take another --fresnel",
         )));
     }
-    let mut worker = Worker::new(scene, accel, &stages, options, None, &eye_media, observer);
+    let media = Media { bodies: &bodies, contacts: &contacts, eye: &eye_bodies };
+    let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
     let (radiance, truncated) = worker.shading.accumulator.mean(0, samples);
     Ok((radiance, truncated, tree))
+}
+
+/// The touching surfaces of a scene, unless they are left out.
+fn contacts(scene: &Scene, options: &Options) -> Contacts {
+    if options.effects.without.has(Effect::Touching) { Contacts::default() } else { effects::contacts(scene) }
+}
+
+/// The functions that a scene calls for.
+fn stages(scene: &Scene, eye_bodies: &[u32], bodies: &Bodies, contacts: &Contacts, options: &Options) -> Stages {
+    let eye_media: Vec<u32> = eye_bodies.iter().map(|&body| bodies.medium(body)).collect();
+    Stages::of(scene, &Reach::of(scene), &eye_media, !contacts.is_empty(), options)
 }
 
 /// What a thread counted.

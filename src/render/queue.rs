@@ -22,8 +22,9 @@ pub struct State8 {
     pub stack: [StackId; 8],
     /// How far the ray's start lies from the surface it leaves, along the ray: absorption counts from the surface.
     pub lead: F32x8,
-    /// How many surfaces in a row it has passed that were not there.
-    pub passes: [u16; 8],
+    /// Surfaces in a row that it has passed and that were not there; or, on its way through touching surfaces, what
+    /// [`super::touch`] makes of it.
+    pub passes: [u32; 8],
 }
 
 impl Default for State8 {
@@ -75,7 +76,7 @@ pub struct Spawn8<'a> {
     /// Distances along the rays from the surfaces they leave to their starts.
     pub lead: F32x8,
     /// Surfaces passed that were not there.
-    pub passes: &'a [u16; 8],
+    pub passes: &'a [u32; 8],
     /// Place of the surface they leave in the stream at hand, as [`super::surface::Surface8`] has it.
     pub place: u32,
     /// What they carry, where extras are carried and they do not start afresh.
@@ -218,7 +219,7 @@ mod tests {
                 pixel: &pixel,
                 stack: &[StackId::default(); 8],
                 lead: F32x8::from_fn(|k| pixel[k] as f32),
-                passes: &pixel.map(|p| p as u16),
+                passes: &pixel,
                 place: 0,
                 extra: None,
             },
@@ -236,7 +237,7 @@ mod tests {
                 assert_eq!(ray.origin.lane(lane), Vec3::splat(pixel as f32));
                 assert_eq!((ray.dir.lane(lane), ray.t_max.lane(lane)), (Vec3::Z, 1.0));
                 assert_eq!((state.weight.lane(lane), state.lead.lane(lane)), (Vec3::ONE, pixel as f32));
-                assert_eq!(u32::from(state.passes[lane]), pixel);
+                assert_eq!(state.passes[lane], pixel);
                 pixel
             });
             lanes.collect()

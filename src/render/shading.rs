@@ -4,7 +4,7 @@ use super::accumulate::Accumulator;
 use super::budget::divide;
 use super::ceiling::Ceiling;
 use super::extra::Extra8;
-use super::media::{MediaTable, StackId};
+use super::media::{MediaTable, StackId, Transition};
 use super::options::Options;
 use super::outcome::{RayCounts, RayKind, StreamCounts};
 use super::pattern::LampPoints;
@@ -14,11 +14,13 @@ use super::split::mirrored::{self, ReflectStage};
 use super::stages::Stages;
 use super::surface::{HitRef, Surface8};
 use super::tile::Tile;
+use super::touch::{Arrivals, Touching};
 use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
+use crate::geometry::contact::Contacts;
 use crate::math::Real;
 use crate::optics::{Oliveira, Spectrum, transmittance};
-use crate::scene::{Interface, Medium, Rgb, Scene};
+use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// What makes up for tolls that were rounded down to `f32`.
@@ -35,6 +37,7 @@ struct Held {
     pixel: [u32; 8],
     stack: [StackId; 8],
     lead: F32x8,
+    passes: [u32; 8],
     place: u32,
     extra: Extra8,
 }
@@ -44,6 +47,11 @@ struct Held {
 pub struct Shading<'a> {
     pub scene: &'a Scene,
     pub media: MediaTable<'a>,
+    /// Touching surfaces, and the rays between their layers.
+    pub touching: Touching<'a>,
+    /// What the rays of the chunk at hand met where surfaces touch, and what shadow rays did.
+    pub arrivals: Arrivals,
+    pub shadow_arrivals: Arrivals,
     /// The constant of the one refraction formula that has any.
     pub oliveira: Oliveira,
     /// What becomes of reflected light.
@@ -81,16 +89,26 @@ pub struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     /// Nothing summed and nothing queued.
-    pub fn new(scene: &'a Scene, options: &Options, stages: &Stages, tolls: Option<&'a Ceiling>) -> Self {
+    pub fn new(
+        scene: &'a Scene,
+        bodies: &'a Bodies,
+        contacts: &'a Contacts,
+        options: &Options,
+        stages: &Stages,
+        tolls: Option<&'a Ceiling>,
+    ) -> Self {
         let settings = &scene.settings;
         let media = if disperses(scene, options) {
-            MediaTable::dispersing(&scene.media, Spectrum::new(settings.wavelengths, settings.samples))
+            MediaTable::dispersing(&scene.media, bodies, Spectrum::new(settings.wavelengths, settings.samples))
         } else {
-            MediaTable::new(&scene.media)
+            MediaTable::new(&scene.media, bodies)
         };
         Self {
             scene,
             media,
+            touching: Touching::new(contacts),
+            arrivals: Arrivals::default(),
+            shadow_arrivals: Arrivals::default(),
             oliveira: options.oliveira,
             reflect: mirrored::pick(options.reflection, scene),
             shadow_admits: stages.shadow_admits,
@@ -173,6 +191,7 @@ impl<'a> Shading<'a> {
             pixel: *new.pixel,
             stack: *new.stack,
             lead: new.lead,
+            passes: *new.passes,
             place: new.place,
             extra: new.extra.copied().unwrap_or(self.extras[new.place as usize]),
         });
@@ -212,7 +231,7 @@ impl<'a> Shading<'a> {
                     pixel: &ray.pixel,
                     stack: &ray.stack,
                     lead: ray.lead,
-                    passes: &[0; 8],
+                    passes: &ray.passes,
                     place: ray.place,
                     extra: Some(&extra),
                 };
@@ -247,6 +266,15 @@ impl<'a> Shading<'a> {
     #[inline(always)]
     pub fn interface(&self, surface: &Surface8, k: usize) -> &'a Interface {
         &self.scene.materials[surface.material[k] as usize].interface
+    }
+
+    /// What crossing the surface of a lane does, or all that lies at its place; none where it bounds no medium.
+    pub fn transition(&mut self, surface: &Surface8, k: usize) -> Option<Transition> {
+        if let Some(crossed) = self.arrivals.crossed(surface, k) {
+            return Some(self.media.cross_all(surface.stack[k], crossed));
+        }
+        let body = self.media.body_of(surface.hit[k].geometry)?;
+        Some(self.media.cross(surface.stack[k], body, surface.front.lane(k)))
     }
 
     /// A colour per lane from its material's interface.

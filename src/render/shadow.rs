@@ -3,6 +3,7 @@
 use super::lamp::before_lamp;
 use super::outcome::{RayKind, Stage};
 use super::queue::Chunk;
+use super::shading::Shading;
 use super::split::lane_bits;
 use super::stages::{March, STREAM};
 use super::surface::HitRef;
@@ -66,6 +67,10 @@ impl<I: Intersector> Worker<'_, I> {
         blocked.clear();
         blocked.resize(chunk.rays.len(), Mask8::NONE);
         self.cut_short(chunk);
+        if self.stages.march.is_none() && self.stages.touching {
+            // Whatever the ray is still to pass at its start stops it.
+            self.shading.shadow_arrivals.stop(chunk);
+        }
         self.accel.occluded(&chunk.rays, &mut blocked, coherence, &mut self.scratch);
         self.restore(chunk);
         for (ray, blocked) in chunk.rays.iter_mut().zip(&blocked) {
@@ -107,8 +112,16 @@ impl<I: Intersector> Worker<'_, I> {
             hits.clear();
             hits.resize(chunk.rays.len(), Hit8::default());
             self.cut_short(chunk);
+            if self.stages.touching {
+                self.shading.shadow_arrivals.hold_back(chunk);
+            }
             self.accel.closest(&chunk.rays, &mut hits, coherence, &mut self.scratch);
             self.restore(chunk);
+            if self.stages.touching {
+                let mut arrivals = std::mem::take(&mut self.shading.shadow_arrivals);
+                arrivals.arrive(&mut self.shading, chunk, &mut hits);
+                self.shading.shadow_arrivals = arrivals;
+            }
 
             let mut refs = std::mem::take(&mut self.shadow_refs);
             refs.clear();
@@ -129,6 +142,10 @@ impl<I: Intersector> Worker<'_, I> {
                     (stages.gather)(self.shading.scene, chunk, &hits, stream, &mut self.shadow_surfaces);
                     if self.shading.carries {
                         self.shading.carry(chunk, stream, &mut self.shadow_surfaces);
+                    }
+                    if self.stages.touching {
+                        let Shading { touching, shadow_arrivals, .. } = &mut self.shading;
+                        shadow_arrivals.mark(touching, stream, &mut self.shadow_surfaces);
                     }
                     (stages.pass)(&mut self.shading, chunk, &hits, stream, &self.shadow_surfaces);
                 }

@@ -201,7 +201,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
             pixel: &self.surface.pixel,
             stack: &self.surface.stack,
             lead: self.surface.lead(sent.dir),
-            passes: &[0; 8],
+            passes: &self.surface.returning,
             place: self.surface.place,
             extra: None,
         }

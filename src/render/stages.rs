@@ -33,6 +33,8 @@ pub struct Stages {
     pub medium: Option<MediumStage>,
     /// What rays see that meet nothing; none where that is black.
     pub miss: Option<MissStage>,
+    /// True if surfaces touch, so that hits are looked up among them.
+    pub touching: bool,
     /// Whether rays carry extras.
     pub carries: bool,
     /// By bin; none where no object has such a surface, or nothing comes of meeting one.
@@ -73,9 +75,10 @@ impl Stages {
     /// The functions that a scene calls for: those for what rays can reach, or under [`Pipeline::All`] those that know
     /// everything. `eye_media` are the media around the eye.
     #[must_use]
-    pub fn of(scene: &Scene, reach: &Reach, eye_media: &[u32], options: &Options) -> Self {
+    pub fn of(scene: &Scene, reach: &Reach, eye_media: &[u32], touching: bool, options: &Options) -> Self {
         let all = options.effects.pipeline == Pipeline::All;
-        let call = Call { scene, reach, options, all, missed: &reach.unmet };
+        let touching = touching || all;
+        let call = Call { scene, reach, options, all, touching, missed: &reach.unmet };
         let shadows = Call { missed: &reach.sealed, ..call };
         let absorbs = |m: u32| scene.media[m as usize].absorption != Rgb::ZERO;
         let around = all || absorbs(0) || eye_media.iter().any(|&m| absorbs(m));
@@ -85,13 +88,14 @@ impl Stages {
         let through = all || absorbing_shadows || shadows.objects().any(transmissive);
         let march = (through && scene.settings.shadows == ShadowRule::Straight).then(|| March {
             gather: surface::pick(shadows.shapes(transmissive)),
-            pass: through::pick(options.fresnel, absorbing_shadows),
+            pass: through::pick(options.fresnel, absorbing_shadows, touching),
             finish: absorbing_shadows.then_some(through::finish as FinishStage),
         });
         Self {
             refraction: options.bending(),
             medium: absorbing.then_some(medium::absorb as MediumStage),
             miss: if call.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
+            touching,
             carries: options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some(),
             bins: std::array::from_fn(|bin| call.bin(bin)),
             shadow_admits: if march.is_some() { GeometryMask::OPAQUE } else { GeometryMask::ALL },
@@ -107,6 +111,8 @@ struct Call<'a> {
     reach: &'a Reach,
     options: &'a Options,
     all: bool,
+    /// True if surfaces touch.
+    touching: bool,
     /// By object: whether no ray of the kind that is looked at meets it.
     missed: &'a [bool],
 }
@@ -144,7 +150,7 @@ impl<'a> Call<'a> {
         if materials.is_empty() && !all {
             return None;
         }
-        let split = split::pick(class_of(bin), scene, self.options);
+        let split = split::pick(class_of(bin), scene, self.options, self.touching);
         let (mut base, mut lights, mut lamps) = (None, Vec::new(), Vec::new());
         if bin_has_base(bin) {
             let any = |of: &dyn Fn(&Material) -> bool| all || materials.iter().any(|m| of(m));

@@ -40,8 +40,13 @@ pub struct Surface8 {
     /// The media each arrived through.
     pub stack: [StackId; 8],
     /// Surfaces passed that were not there.
-    pub passes: [u16; 8],
-    /// Its number in the stream at hand, where rays carry extras; else 0.
+    pub passes: [u32; 8],
+    /// Count that a ray which goes on behind the surface starts with ([`super::queue::State8::passes`]): 0, unless surfaces touch
+    /// there.
+    pub onward: [u32; 8],
+    /// The same for a ray that leaves on the side of arrival.
+    pub returning: [u32; 8],
+    /// Its number in the stream at hand, where rays carry extras or surfaces touch; else 0.
     pub place: u32,
     /// Lanes whose base counts: all that are active, unless the split stage finds a surface not to be there.
     pub base_lanes: u8,
@@ -181,6 +186,8 @@ impl Surface8 {
             pixel,
             stack,
             passes,
+            onward: [0; 8],
+            returning: [0; 8],
             place: 0,
             base_lanes: active,
             base_weight: weight,

@@ -16,18 +16,22 @@ pub type PassStage = fn(&mut Shading, &mut Chunk, &[Hit8], &[HitRef], &[Surface8
 /// Settles the last stretch of shadow rays that meet nothing more, up to the light: some lanes of a packet.
 pub type FinishStage = fn(&Shading, &mut Chunk, usize, u8);
 
-/// The stage for a Fresnel formula, where media absorb or none does.
+/// The stage for a Fresnel formula, where media absorb or none does. Where surfaces touch, the stage absorbs, too.
 #[must_use]
-pub fn pick(model: FresnelModel, absorbing: bool) -> PassStage {
+pub fn pick(model: FresnelModel, absorbing: bool, touching: bool) -> PassStage {
     match (model, absorbing) {
-        (FresnelModel::Exact, false) => pass::<Unpolarised<Exact>, false>,
-        (FresnelModel::Exact, true) => pass::<Unpolarised<Exact>, true>,
-        (FresnelModel::Polarised, false) => pass::<Polarised, false>,
-        (FresnelModel::Polarised, true) => pass::<Polarised, true>,
-        (FresnelModel::Schlick, false) => pass::<Unpolarised<Schlick>, false>,
-        (FresnelModel::Schlick, true) => pass::<Unpolarised<Schlick>, true>,
-        (FresnelModel::Off, false) => pass::<Unpolarised<AtNormal>, false>,
-        (FresnelModel::Off, true) => pass::<Unpolarised<AtNormal>, true>,
+        (FresnelModel::Exact, _) if touching => pass::<Unpolarised<Exact>, true, true>,
+        (FresnelModel::Polarised, _) if touching => pass::<Polarised, true, true>,
+        (FresnelModel::Schlick, _) if touching => pass::<Unpolarised<Schlick>, true, true>,
+        (FresnelModel::Off, _) if touching => pass::<Unpolarised<AtNormal>, true, true>,
+        (FresnelModel::Exact, false) => pass::<Unpolarised<Exact>, false, false>,
+        (FresnelModel::Exact, true) => pass::<Unpolarised<Exact>, true, false>,
+        (FresnelModel::Polarised, false) => pass::<Polarised, false, false>,
+        (FresnelModel::Polarised, true) => pass::<Polarised, true, false>,
+        (FresnelModel::Schlick, false) => pass::<Unpolarised<Schlick>, false, false>,
+        (FresnelModel::Schlick, true) => pass::<Unpolarised<Schlick>, true, false>,
+        (FresnelModel::Off, false) => pass::<Unpolarised<AtNormal>, false, false>,
+        (FresnelModel::Off, true) => pass::<Unpolarised<AtNormal>, true, false>,
     }
 }
 
@@ -40,7 +44,7 @@ pub fn finish(shading: &Shading, chunk: &mut Chunk, packet: usize, lanes: u8) {
     }
 }
 
-fn pass<O: Optics, const ABSORBING: bool>(
+fn pass<O: Optics, const ABSORBING: bool, const TOUCHING: bool>(
     shading: &mut Shading,
     chunk: &mut Chunk,
     hits: &[Hit8],
@@ -60,7 +64,7 @@ fn pass<O: Optics, const ABSORBING: bool>(
         }
         let mut beyond = surface.stack;
         let before = O::before(shading, surface, surface.normal);
-        let (passed, carried) = passed::<O>(shading, surface, &mut beyond, &before);
+        let (passed, carried) = passed::<O, TOUCHING>(shading, surface, &mut beyond, &before);
         weight = weight.times(passed);
         let extra = O::along(&carried, surface.incident);
         let origin = surface.below();
@@ -74,6 +78,9 @@ fn pass<O: Optics, const ABSORBING: bool>(
             ray.t_max.set_lane(lane, rest);
             state.weight.set_lane(lane, weight.lane(k));
             state.stack[lane] = beyond[k];
+            if TOUCHING {
+                state.passes[lane] = surface.onward[k];
+            }
             state.lead.set_lane(lane, lead.lane(k));
             if let Some(extra) = &extra {
                 chunk.extras[packet].put(lane, extra, k);
@@ -87,7 +94,7 @@ fn pass<O: Optics, const ABSORBING: bool>(
 
 /// What each of eight transmissive surfaces lets through unbent, and the media behind it.
 #[inline(always)]
-fn passed<O: Optics>(
+fn passed<O: Optics, const TOUCHING: bool>(
     shading: &mut Shading,
     surface: &Surface8,
     beyond: &mut [StackId; 8],
@@ -99,8 +106,13 @@ fn passed<O: Optics>(
     let (mut by_rule, mut thin) = (0_u8, 0_u8);
     for k in 0..8 {
         match *shading.interface(surface, k) {
-            Interface::Dielectric { medium, rule, tint: colour } => {
-                let crossing = shading.media.cross(surface.stack[k], medium, surface.front.lane(k));
+            Interface::Dielectric { rule, tint: colour, .. } => {
+                let crossed = if TOUCHING { shading.shadow_arrivals.crossed(surface, k) } else { None };
+                let body = shading.media.body_of(surface.hit[k].geometry).unwrap_or(0);
+                let crossing = match crossed {
+                    Some(crossed) => shading.media.cross_all(surface.stack[k], crossed),
+                    None => shading.media.cross(surface.stack[k], body, surface.front.lane(k)),
+                };
                 beyond[k] = crossing.beyond;
                 shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
                 if crossing.real {

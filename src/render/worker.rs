@@ -20,13 +20,14 @@ use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
 use super::tile::{Block, PixelPacket, Tile};
 use crate::accel::{Coherence, Intersector};
+use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray8};
-use crate::scene::Scene;
+use crate::scene::{Bodies, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 use crate::{Error, Result};
 
 /// Surfaces that are not there which a ray may pass in a row.
-pub const MOST_PASSES: u16 = 256;
+pub const MOST_PASSES: u32 = 256;
 
 /// Packets traced at a time. Bounds memory: a queue never holds more than the children of two chunks.
 const CHUNK_PACKETS: usize = 1024;
@@ -40,6 +41,16 @@ struct AtOnce {
     samples: u32,
 }
 
+/// What rays can be in, and where surfaces touch.
+pub struct Media<'a> {
+    /// What fills the objects of the scene.
+    pub bodies: &'a Bodies,
+    /// Its touching surfaces.
+    pub contacts: &'a Contacts,
+    /// The bodies around the eye.
+    pub eye: &'a [u32],
+}
+
 /// Everything a thread needs, kept from tile to tile so that nothing is allocated once it is warm.
 pub struct Worker<'a, I: Intersector> {
     pub(super) stages: &'a Stages,
@@ -49,7 +60,7 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) observer: &'a Observer,
     lens: Lens,
     eye_stack: StackId,
-    eye_media: &'a [u32],
+    eye_bodies: &'a [u32],
     /// By object.
     pub(super) bin_of: Vec<u8>,
 
@@ -75,18 +86,18 @@ pub struct Worker<'a, I: Intersector> {
 }
 
 impl<'a, I: Intersector> Worker<'a, I> {
-    /// A worker for one render; `eye_media` are the media around the eye, in the order they were entered.
+    /// A worker for one render.
     pub fn new(
         scene: &'a Scene,
         accel: &'a I,
         stages: &'a Stages,
         options: &Options,
         tolls: Option<&'a Ceiling>,
-        eye_media: &'a [u32],
+        media: &Media<'a>,
         observer: &'a Observer,
     ) -> Self {
-        let mut shading = Shading::new(scene, options, stages, tolls);
-        let eye_stack = shading.media.stack_of(eye_media);
+        let mut shading = Shading::new(scene, media.bodies, media.contacts, options, stages, tolls);
+        let eye_stack = shading.media.stack_of(media.eye);
         let bin = |object: &crate::scene::Object| bin_of(&scene.materials[object.material as usize]) as u8;
         Self {
             stages,
@@ -96,7 +107,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             observer,
             lens: Lens::new(&scene.camera, scene.settings.width, scene.settings.height),
             eye_stack,
-            eye_media,
+            eye_bodies: media.eye,
             bin_of: scene.objects.iter().map(bin).collect(),
             blocks: Vec::new(),
             chunk: Chunk::default(),
@@ -149,6 +160,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             self.step(&mut chunk, depth, kind)?;
         }
         self.chunk = chunk;
+        self.shading.touching.clear();
         Ok(())
     }
 
@@ -168,7 +180,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
     pub(super) fn begin(&mut self, sample: u32) {
         self.shading.sample = sample;
         self.shading.media.begin_sample(sample);
-        self.eye_stack = self.shading.media.stack_of(self.eye_media);
+        self.eye_stack = self.shading.media.stack_of(self.eye_bodies);
     }
 
     /// Fills the chunk with camera rays of some numbers for each pixel of some blocks of the tile, each block as often as
@@ -217,7 +229,13 @@ impl<'a, I: Intersector> Worker<'a, I> {
         let mut hits = std::mem::take(&mut self.hits);
         hits.clear();
         hits.resize(chunk.rays.len(), Hit8::default());
+        if self.stages.touching {
+            self.shading.arrivals.hold_back(chunk);
+        }
         self.accel.closest(&chunk.rays, &mut hits, coherence, &mut self.scratch);
+        if self.stages.touching {
+            self.arrive(chunk, &mut hits);
+        }
 
         let stages = self.stages;
         if let Some(medium) = stages.medium {
@@ -238,6 +256,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 if self.shading.carries {
                     self.shading.carry(chunk, stream, &mut self.surfaces);
                 }
+                if self.stages.touching {
+                    self.mark(stream);
+                }
                 self.shade(stages, depth, coherence);
             }
             self.bins[bin] = refs;
@@ -245,6 +266,19 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.flush_shadows(depth, coherence);
         self.hits = hits;
         Ok(())
+    }
+
+    /// Takes the hits of a chunk to the layers that count where surfaces touch.
+    pub(super) fn arrive(&mut self, chunk: &mut Chunk, hits: &mut [Hit8]) {
+        let mut arrivals = std::mem::take(&mut self.shading.arrivals);
+        arrivals.arrive(&mut self.shading, chunk, hits);
+        self.shading.arrivals = arrivals;
+    }
+
+    /// Gives the surfaces of a stream what they need where surfaces touch.
+    pub(super) fn mark(&mut self, stream: &[HitRef]) {
+        let Shading { touching, arrivals, .. } = &mut self.shading;
+        arrivals.mark(touching, stream, &mut self.surfaces);
     }
 
     /// Takes the surfaces of a stream through the stages of their bin.

@@ -206,11 +206,17 @@ pub struct Medium {
     /// Absorption coefficient per channel and scene unit, at least 0 (Beer-Lambert: `exp(-absorption * distance)`).
     pub absorption: Rgb,
     /// Where media overlap, the one with the highest priority fills the space (Schmidt & Budge 2002); among equals
-    /// the one entered last.
+    /// [`super::Bodies`] decides.
     pub priority: i32,
 }
 
 impl Medium {
+    /// Returns true if light cannot tell the two apart: equal index, dispersion and absorption, whatever their names.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.ior == other.ior && self.dispersion == other.dispersion && self.absorption == other.absorption
+    }
+
     /// What surrounds everything unless a scene says otherwise.
     #[must_use]
     pub fn air() -> Self {

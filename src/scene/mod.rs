@@ -1,5 +1,6 @@
 //! What is to be pictured: plain data, joined by indices.
 
+mod body;
 mod camera;
 mod dispersion;
 mod environment;
@@ -8,6 +9,7 @@ mod material;
 mod settings;
 mod texture;
 
+pub use body::Bodies;
 pub use camera::{Camera, Projection};
 pub use dispersion::Dispersion;
 pub use environment::Environment;

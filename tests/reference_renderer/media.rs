@@ -51,17 +51,23 @@ fn a_surface_that_is_not_there_costs_no_depth() {
 }
 
 #[test]
-fn among_equals_the_medium_entered_last_fills_the_space() {
-    let mut scene = empty();
-    let a = medium(&mut scene, 1.5, 0.0, 5);
-    let b = medium(&mut scene, 1.2, 0.0, 5);
-    put(&mut scene, layer(-4.0, 0.0), dielectric(a));
-    put(&mut scene, layer(-6.0, -2.0), dielectric(b));
-    put(&mut scene, plane(Vec3::Z * -9.0, Vec3::Z), emitter(1.0));
-    scene.settings.max_depth = 3;
-    // 0: air to a; -2: a to b; -4: leaving a, which is not on top; -6: b to air.
+fn among_equals_the_smaller_body_fills_the_space_and_of_equal_ones_the_denser() {
+    // A short layer of `a` over 0..-4 and one of `b` from -2 down: over -2..-4 one of them is there.
+    let seen = |b_ends: f32| {
+        let mut scene = empty();
+        let a = medium(&mut scene, 1.5, 0.1, 5);
+        let b = medium(&mut scene, 1.2, 0.0, 5);
+        put(&mut scene, layer(-4.0, 0.0), dielectric(a));
+        put(&mut scene, layer(b_ends, -2.0), dielectric(b));
+        put(&mut scene, plane(Vec3::Z * -9.0, Vec3::Z), emitter(1.0));
+        scene.settings.max_depth = 3;
+        radiance(&scene, [0.2, 0.3, 4.0], DOWN)
+    };
     let want = passes(1.0, 1.5) * passes(1.5, 1.2) * passes(1.2, 1.0);
-    close(radiance(&scene, [0.2, 0.3, 4.0], DOWN), want, 1e-15);
+    let through_a = |length: f64| want * (-0.1 * length).exp();
+    close(seen(-5.0), through_a(2.0), 1e-8);
+    close(seen(-6.0), through_a(4.0), 1e-8);
+    close(seen(-8.0), through_a(4.0), 1e-8);
 }
 
 #[test]

@@ -60,8 +60,7 @@ fn duplicates(object: usize, mesh: &TriMesh, found: &mut Found) {
             sum.wrapping_add((mixed ^ z.rotate_left(42)).wrapping_mul(0x94d0_49bb_1331_11eb))
         })
     };
-    let mut hashes: Vec<(u64, u32)> =
-        (0..mesh.triangles.len()).into_par_iter().map(|i| (hash(i), i as u32)).collect();
+    let mut hashes: Vec<(u64, u32)> = (0..mesh.triangles.len()).into_par_iter().map(|i| (hash(i), i as u32)).collect();
     hashes.par_sort_unstable();
     for same in hashes.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
         // Neighbours in the list suffice for a chain, but each face is asked for all of its partners.
@@ -179,9 +178,9 @@ impl Candidate {
                 for k in z.0..=z.1 {
                     for l in d.0..=d.1 {
                         let words = [i, j, k, l].map(|w| w as u64);
-                        see(words.iter().fold(0, |h: u64, &w| {
-                            (h ^ w).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23)
-                        }));
+                        see(words
+                            .iter()
+                            .fold(0, |h: u64, &w| (h ^ w).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23)));
                     }
                 }
             }

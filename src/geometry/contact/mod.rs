@@ -229,8 +229,7 @@ impl Found {
             let index = Partners::new(&contacts.faces[place].face, partners, |i| contacts.faces[i as usize].face);
             contacts.faces[place].partners = index;
         }
-        contacts.pairs =
-            pairs.into_iter().map(|(objects, [faces, points])| Pair { objects, faces, points }).collect();
+        contacts.pairs = pairs.into_iter().map(|(objects, [faces, points])| Pair { objects, faces, points }).collect();
         contacts
     }
 }

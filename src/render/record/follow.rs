@@ -75,7 +75,13 @@ impl<I: Intersector> Worker<'_, I> {
         self.shading.counts.add(ray.kind, ray.depth, 1);
         let coherence = if ray.depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
         let mut hits = [Hit8::default()];
+        if self.stages.touching {
+            self.shading.arrivals.hold_back(&mut ray.chunk);
+        }
         self.accel.closest(&ray.chunk.rays, &mut hits, coherence, &mut self.scratch);
+        if self.stages.touching {
+            self.arrive(&mut ray.chunk, &mut hits);
+        }
         let stages = self.stages;
         if let Some(medium) = stages.medium {
             medium(&self.shading, &mut ray.chunk, &hits);
@@ -99,6 +105,9 @@ impl<I: Intersector> Worker<'_, I> {
         match stages {
             Some(stages) => (stages.gather)(self.shading.scene, &ray.chunk, &hits, &[0], &mut self.surfaces),
             None => self.surfaces = vec![Surface8::one(self.shading.scene, &ray.chunk, &hits)],
+        }
+        if self.stages.touching {
+            self.mark(&[0]);
         }
         self.see(&ray, tree);
         let Some(stages) = stages else { return Ok(()) };
@@ -267,16 +276,17 @@ impl<I: Intersector> Worker<'_, I> {
                 let total = Boundary::<F32x8>::new(indices.0, indices.1).cross(cos_i).total.any();
                 Split { indices: Some(indices), total, absorbed: tinted(tint), ..split }
             }
-            Interface::Dielectric { medium, tint, .. } => {
-                let front = surface.front.lane(0);
-                let transition = shading.media.cross(stack, medium, front);
+            Interface::Dielectric { tint, .. } => {
+                let Some(transition) = shading.transition(surface, 0) else { return split };
+                let [from, to] = transition.media;
                 let ior = |m: u32| shading.scene.media[m as usize].ior;
-                let indices = if front {
-                    (shading.media.ior(stack), ior(medium))
-                } else if transition.unmatched {
-                    (ior(medium), shading.media.ior(stack))
+                let indices = if transition.unmatched {
+                    (ior(from), ior(to))
                 } else {
-                    (ior(medium), shading.media.ior(transition.beyond))
+                    // A coloured ray has the indices of its wavelength.
+                    let before = if shading.media.top(stack) == from { shading.media.ior(stack) } else { ior(from) };
+                    let beyond = shading.media.ior(transition.beyond);
+                    (before, if shading.media.top(transition.beyond) == to { beyond } else { ior(to) })
                 };
                 let crossing = transition.boundary.cross(cos_i.lane(0));
                 let bent = of(RayKind::Transmitted).filter(|_| !crossing.total).map(|sent| {

@@ -4,12 +4,14 @@ use glam::DVec3;
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
+use super::super::place::{Layer, Place, Through, governing};
 use super::media::{MediumStack, Meeting};
 use super::polarisation::Polarisation;
 use super::split::{Ways, at_boundary, at_pane};
 use super::{Prepared, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
+use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{Boundary, FresnelModel, transmittance};
 use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule, Spread};
@@ -84,14 +86,22 @@ fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
 }
 
 /// The share of a light at the far end of `ray` that reaches its start, where the media are `stack`, and how often it
-/// left a medium it had never entered. The media have their indices for light of the wavelength `nm`.
-pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
+/// left a medium it had never entered. The media have their indices for light of the wavelength `nm`. A ray that starts
+/// between the layers of a place is still to pass those on its way `through` it.
+pub(super) fn let_through(
+    prepared: &Prepared,
+    ray: &Ray64,
+    through: Option<Through>,
+    stack: &MediumStack,
+    nm: Option<f64>,
+) -> (DVec3, u64) {
     if prepared.accel.occluded(&blocking(prepared, ray)) {
         return (DVec3::ZERO, 0);
     }
     match prepared.scene.settings.shadows {
+        ShadowRule::Opaque if through.is_some() => (DVec3::ZERO, 0),
         ShadowRule::Opaque => (DVec3::ONE, 0),
-        ShadowRule::Straight => march(prepared, ray, stack, nm),
+        ShadowRule::Straight => march(prepared, ray, through, stack, nm),
     }
 }
 
@@ -116,55 +126,146 @@ fn end_of(ray: &Ray64) -> f64 {
 }
 
 /// Straight through every transmissive surface on the way.
-fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
-    let scene = prepared.scene;
-    let mut stack = stack.clone();
-    let (mut share_left, mut unmatched_exits, mut reached) = (DVec3::ONE, 0, 0.0);
-    let absorbed = |stack: &MediumStack, distance: f64| -> DVec3 {
-        let absorption = scene.media[stack.top(scene) as usize].absorption.as_dvec3();
-        transmittance(absorption.into(), distance).into()
-    };
-    let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, t_max: end_of(ray), ..*ray };
+fn march(
+    prepared: &Prepared,
+    ray: &Ray64,
+    through: Option<Through>,
+    stack: &MediumStack,
+    nm: Option<f64>,
+) -> (DVec3, u64) {
+    let (scene, contacts) = (prepared.scene, &prepared.contacts);
     // What the surface makes of the light depends on none of its polarisation, but what lets it through does.
-    let mut carried = (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(ray.dir));
+    let carried = (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(ray.dir));
+    let mut light = Marched { prepared, ray, nm, stack: stack.clone(), share: DVec3::ONE, unmatched: 0, carried };
+    let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, t_max: end_of(ray), ..*ray };
     let crossings = surface::crossings(scene, &prepared.accel, &marched);
     if crossings.len() > MARCHED_AT_MOST {
         return (DVec3::ZERO, 0);
     }
+    let mut reached = 0.0;
+    // Faces that were crossed together with one before them, and the parameter up to which they are these.
+    let mut crossed: (Vec<(u32, bool)>, f64) = (Vec::new(), f64::NEG_INFINITY);
+    if let Some(place) = through.and_then(|way| Place::resumed(scene, contacts, way)) {
+        let (sides, apart) = place.sides(ray.dir);
+        let cos = place.layer().faces()[0].outward(place.point()).dot(ray.dir).abs();
+        crossed = (sides, apart / cos);
+        light.cross_place(Some(place));
+    }
     for crossing in crossings {
-        if share_left == DVec3::ZERO {
+        if light.share == DVec3::ZERO {
             break;
         }
-        share_left *= absorbed(&stack, crossing.t - reached);
+        let side = (crossing.geometry, crossing.front);
+        if crossing.t <= crossed.1 && crossed.0.contains(&side) {
+            continue;
+        }
+        light.absorb(crossing.t - reached);
         reached = crossing.t;
-        let cos = crossing.cos;
-        let before = carried.map(|carried| carried.facing(ray.dir, crossing.outward));
-        match prepared.material(crossing.geometry).interface {
-            Interface::Dielectric { medium, rule, tint } => match stack.meet(scene, medium, crossing.front) {
-                Meeting::NotThere(beyond) => stack = beyond,
-                Meeting::Boundary { from, to, beyond, unmatched } => {
-                    let (n1, n2) = (prepared.ior(from, nm), prepared.ior(to, nm));
-                    let boundary = Boundary::new(n1.min(n2), n1.max(n2));
-                    let Ways { on, .. } = at_boundary(prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
-                    share_left *= on.share * tint.as_dvec3();
-                    carried = on.polarisation;
-                    unmatched_exits += u64::from(unmatched);
-                    stack = beyond;
-                }
-            },
-            Interface::ThinDielectric { ior, rule, tint } => {
-                let boundary = Boundary::new(prepared.ior(stack.top(scene), nm), f64::from(ior));
-                let at = boundary.cross(cos);
-                let Ways { on, .. } = at_pane(prepared.fresnel, rule, &boundary, &at, before);
-                share_left *= on.share * tint.as_dvec3();
-                carried = on.polarisation;
-            }
-            Interface::Alpha { opacity } => share_left *= 1.0 - f64::from(opacity),
-            // Only a wrong geometry mask brings one of these here; it blocks all the same.
-            Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
-                return (DVec3::ZERO, unmatched_exits);
+        let id = (crossing.geometry, crossing.primitive);
+        match Place::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
+            None => light.cross_face(crossing.geometry, crossing.outward),
+            Some(place) => {
+                let (sides, apart) = place.sides(ray.dir);
+                crossed = (sides, crossing.t + apart / (crossing.cos * ray.dir.length()));
+                light.cross_place(Some(place));
             }
         }
     }
-    (share_left * absorbed(&stack, ray.t_max - reached), unmatched_exits)
+    light.absorb(ray.t_max - reached);
+    (light.share, light.unmatched)
+}
+
+/// Light on its straight way from a surface to a lamp.
+struct Marched<'a> {
+    prepared: &'a Prepared<'a>,
+    ray: &'a Ray64,
+    nm: Option<f64>,
+    stack: MediumStack,
+    /// What is left of it.
+    share: DVec3,
+    /// Media left that had never been entered.
+    unmatched: u64,
+    carried: Option<Polarisation>,
+}
+
+impl Marched<'_> {
+    /// Takes it over a distance in the medium at hand.
+    fn absorb(&mut self, distance: f64) {
+        let medium = self.stack.top(self.prepared.filled());
+        let absorption = self.prepared.scene.media[medium as usize].absorption.as_dvec3();
+        self.share *= DVec3::from(transmittance(absorption.into(), distance));
+    }
+
+    /// Takes it through all layers of a place that are left.
+    fn cross_place(&mut self, place: Option<Place>) {
+        let Prepared { scene, contacts, .. } = self.prepared;
+        let mut place = place;
+        while let Some(here) = place {
+            match here.layer() {
+                Layer::Alone(face) => self.cross_face(face.object, face.outward(here.point())),
+                Layer::Media(faces) => {
+                    let outside = |face: &Face| face.outward(here.point()).dot(self.ray.dir) < 0.0;
+                    let body = |face: &Face| self.prepared.bodies.of_object(face.object).unwrap_or(0);
+                    let mut crossed: Vec<(u32, bool)> = faces.iter().map(|f| (body(f), outside(f))).collect();
+                    crossed.sort_unstable();
+                    let meeting = self.stack.meet_all(self.prepared.filled(), &crossed);
+                    let sides = match &meeting {
+                        Meeting::Boundary { from, to, .. } => [*from, *to],
+                        Meeting::NotThere(_) => [0, 0],
+                    };
+                    let face = *governing(scene, faces, sides, outside);
+                    self.cross_boundary(meeting, face.object, face.outward(here.point()));
+                }
+            }
+            place = here.onward().and_then(|way| Place::resumed(scene, contacts, way));
+        }
+    }
+
+    /// Takes it through a boundary of media.
+    fn cross_boundary(&mut self, meeting: Meeting, object: u32, outward: DVec3) {
+        let Interface::Dielectric { rule, tint, .. } = self.prepared.material(object).interface else { return };
+        match meeting {
+            Meeting::NotThere(beyond) => self.stack = beyond,
+            Meeting::Boundary { from, to, beyond, unmatched } => {
+                let (n1, n2) = (self.prepared.ior(from, self.nm), self.prepared.ior(to, self.nm));
+                let boundary = Boundary::new(n1.min(n2), n1.max(n2));
+                let (cos, before) = self.at(outward);
+                let Ways { on, .. } = at_boundary(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                self.share *= on.share * tint.as_dvec3();
+                self.carried = on.polarisation;
+                self.unmatched += u64::from(unmatched);
+                self.stack = beyond;
+            }
+        }
+    }
+
+    /// Takes it through one surface.
+    fn cross_face(&mut self, object: u32, outward: DVec3) {
+        let filled = self.prepared.filled();
+        match self.prepared.material(object).interface {
+            Interface::Dielectric { .. } => {
+                let body = self.prepared.bodies.of_object(object).unwrap_or(0);
+                let front = outward.dot(self.ray.dir) < 0.0;
+                self.cross_boundary(self.stack.meet(filled, body, front), object, outward);
+            }
+            Interface::ThinDielectric { ior, rule, tint } => {
+                let boundary = Boundary::new(self.prepared.ior(self.stack.top(filled), self.nm), f64::from(ior));
+                let (cos, before) = self.at(outward);
+                let Ways { on, .. } = at_pane(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                self.share *= on.share * tint.as_dvec3();
+                self.carried = on.polarisation;
+            }
+            Interface::Alpha { opacity } => self.share *= 1.0 - f64::from(opacity),
+            // Only a wrong geometry mask brings one of these here; it blocks all the same.
+            Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
+                self.share = DVec3::ZERO;
+            }
+        }
+    }
+
+    /// The cosine at a surface of unit normal `outward`, and the polarisation that arrives there.
+    fn at(&self, outward: DVec3) -> (f64, Option<Polarisation>) {
+        let cos = outward.dot(self.ray.dir).abs() / self.ray.dir.length();
+        (cos, self.carried.map(|carried| carried.facing(self.ray.dir, outward)))
+    }
 }

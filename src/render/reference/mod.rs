@@ -29,11 +29,12 @@ use super::{FilmRay, Observer, Options, Outcome, Reflection, StreamCounts};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
+use crate::geometry::contact::Contacts;
 use crate::image::Film;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
-use crate::scene::{Material, Scene};
+use crate::scene::{Bodies, Material, Scene};
 use crate::{Error, Result};
-use media::MediumStack;
+use media::{Filled, MediumStack};
 pub use tally::Tally;
 use trace::Tracer;
 
@@ -42,6 +43,10 @@ use trace::Tracer;
 pub struct Prepared<'a> {
     scene: &'a Scene,
     accel: Reference,
+    /// What fills transparent objects.
+    bodies: Bodies,
+    /// Touching surfaces.
+    contacts: Contacts,
     fresnel: FresnelModel,
     refraction: RefractionModel,
     oliveira: Oliveira,
@@ -74,12 +79,28 @@ impl<'a> Prepared<'a> {
         let refraction = options.bending();
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
-        let stack = media::around_the_eye(scene, &accel);
+        let bodies = Bodies::of(scene);
+        let contacts = super::contacts(scene, options);
+        let stack = media::around_the_eye(scene, &accel, Filled { media: &scene.media, bodies: &bodies });
         let settings = &scene.settings;
         let points = LampPoints::new(&settings.lamps);
         let spectrum = Spectrum::new(settings.wavelengths, settings.samples);
         let tolls = Ceiling::asked(scene, options).map_err(|reason| reason.to_string());
-        Self { scene, accel, fresnel, refraction, oliveira, reflection, total_is_lost, tolls, stack, points, spectrum }
+        Self {
+            scene,
+            accel,
+            bodies,
+            contacts,
+            fresnel,
+            refraction,
+            oliveira,
+            reflection,
+            total_is_lost,
+            tolls,
+            stack,
+            points,
+            spectrum,
+        }
     }
 
     /// What was built.
@@ -143,6 +164,11 @@ impl<'a> Prepared<'a> {
             }
         }
         mean
+    }
+
+    /// The media of the scene and the bodies they fill.
+    fn filled(&self) -> Filled<'_> {
+        Filled { media: &self.scene.media, bodies: &self.bodies }
     }
 
     fn material(&self, geometry: u32) -> &'a Material {

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::accel::reference::{Hit64, Ray64, Reference};
 use crate::geometry::Shape;
+use crate::geometry::contact::Face;
 use crate::scene::Scene;
 
 /// Bound on the distance between a computed point and its surface, plus that between the surface and what the next
@@ -78,6 +79,16 @@ impl Surface {
         }
     }
 
+    /// What lies at a place of a face, as a ray arrives there, where surfaces touch. `apart` is the distance between the
+    /// faces of the place.
+    pub fn on_face(scene: &Scene, ray: &Ray64, face: &Face, point: DVec3, apart: f64) -> Self {
+        let (u, v) = face.barycentrics(point);
+        let here = Ray64 { origin: point, ..*ray };
+        let hit = Hit64 { t: 0.0, u, v, instance: 0, geometry: face.object, primitive: face.primitive };
+        let surface = Self::at(scene, &here, &hit);
+        Self { clearance: 2.0 * surface.clearance + apart, ..surface }
+    }
+
     /// Where a ray that leaves into `dir` starts: off the surface, on the side it leaves by.
     pub fn start(&self, dir: DVec3) -> DVec3 {
         self.point + self.outward * self.clearance.copysign(dir.dot(self.outward))
@@ -103,6 +114,10 @@ pub(super) struct Crossing {
     pub t: f64,
     /// Place in `Scene::geometry`.
     pub geometry: u32,
+    /// Triangle within a mesh; 0 for other shapes.
+    pub primitive: u32,
+    /// Place, in scene units.
+    pub point: DVec3,
     /// Whether the ray arrives on the outside.
     pub front: bool,
     /// Cosine between the ray and the normal, above 0.
@@ -119,7 +134,8 @@ pub(super) fn crossings(scene: &Scene, accel: &Reference, ray: &Ray64) -> Vec<Cr
         let surface = Surface::at(scene, ray, &hit);
         let along = surface.outward.dot(ray.dir) / ray.dir.length();
         let (front, cos, outward) = (along < 0.0, along.abs(), surface.outward);
-        let crossing = Crossing { t: hit.t, geometry: hit.geometry, front, cos, outward };
+        let (geometry, primitive, point) = (hit.geometry, hit.primitive, surface.point);
+        let crossing = Crossing { t: hit.t, geometry, primitive, point, front, cos, outward };
         let same_place = surface.clearance / (along.abs() * ray.dir.length());
         let again = found.iter().rev().take_while(|o| crossing.t - o.t <= same_place);
         if !again.clone().any(|o| o.geometry == crossing.geometry && o.front == crossing.front) {

@@ -4,18 +4,20 @@ use glam::DVec3;
 
 use super::disperse::Dispersing;
 use super::light::{Arriving, blocker, let_through};
-use super::media::{MediumStack, Meeting};
+use super::media::{Filled, MediumStack, Meeting};
 use super::polarisation::Polarisation;
 use super::split::{Way, Ways, at_boundary, at_metal, at_mirror, at_pane};
 use super::surface::Surface;
 use super::{Prepared, Tally, colour};
-use crate::accel::reference::Ray64;
+use crate::accel::reference::{Hit64, Ray64};
+use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{
     Bands, Bec, Boundary, Crossing, FresnelModel, Heckbert, Refracted, RefractionFormula, RefractionModel,
     SlidesVector, Stable, StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, transmittance,
 };
 use crate::render::budget::{self, Division, divide};
+use crate::render::place::{Layer, Place, Through, governing};
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
 use crate::render::{FilmRay, RayKind, Reflection};
 use crate::scene::{FresnelRule, Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
@@ -37,6 +39,8 @@ pub(super) struct Pending {
     pub stack: MediumStack,
     /// Surfaces in a row that were not there.
     pub passed: u32,
+    /// Its way through touching surfaces, where it is between two of them.
+    pub through: Option<Through>,
     /// What its path does to polarised light, where that is carried.
     pub polarisation: Option<Polarisation>,
     /// What may still be cut of it, as [`budget`] has it.
@@ -54,8 +58,21 @@ pub(super) struct Arrival<'a> {
     pub geometric: DVec3,
     pub shading: DVec3,
     pub cos_i: f64,
+    /// The ways of rays that go on behind the surface and of those that leave it on the side of arrival, where surfaces
+    /// touch.
+    pub onward: Option<Through>,
+    pub returning: Option<Through>,
     /// The ray's polarisation in the frame of the plane of incidence.
     pub before: Option<Polarisation>,
+}
+
+/// What a ray meets at a surface beside the surface itself, where surfaces touch.
+#[derive(Default)]
+struct Reached {
+    /// What all boundaries of the place are together.
+    meeting: Option<Meeting>,
+    onward: Option<Through>,
+    returning: Option<Through>,
 }
 
 /// A ray that a surface would send.
@@ -110,11 +127,12 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             nm: None,
             stack: prepared.stack.clone(),
             passed: 0,
+            through: None,
             polarisation: (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(dir)),
             budget: DVec3::splat(budget::WHOLE),
             node: 0,
         };
-        camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(None)));
+        camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(prepared.filled(), None)));
         let bands = &prepared.spectrum.sets()[prepared.spectrum.set_of(film.sample)];
         let (tally, pending) = (Tally::default(), vec![camera_ray]);
         let mut tracer = Self { prepared, film, bands, tally, pending, branches: Vec::new(), record };
@@ -127,9 +145,14 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     fn follow(&mut self, mut ray: Pending) {
         let scene = self.prepared.scene;
         self.tally.rays.add(ray.kind, ray.depth as usize, 1);
+        let filled = self.prepared.filled();
         let line = Ray64::new(ray.origin, ray.dir);
-        let hit = self.prepared.accel.closest(&line);
-        let absorption = scene.media[ray.stack.top(scene) as usize].absorption.as_dvec3();
+        let hit = match ray.through {
+            // It is still where it left the last layer.
+            Some(_) => Hit64 { t: 0.0, ..Hit64::MISS },
+            None => self.prepared.accel.closest(&line),
+        };
+        let absorption = scene.media[ray.stack.top(filled) as usize].absorption.as_dvec3();
         ray.weight *= DVec3::from(transmittance(absorption.into(), hit.t));
         self.note(ray.node, |event| {
             (event.t, event.arrived) = (hit.t, ray.weight);
@@ -140,21 +163,22 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         if ray.weight == DVec3::ZERO {
             return;
         }
-        if !hit.is_hit() {
+        if !hit.is_hit() && ray.through.is_none() {
             self.add(ray.node, Source::Environment, ray.weight * colour::of_environment(scene, ray.dir));
             return;
         }
-        let surface = Surface::at(scene, &line, &hit);
+        let (object, primitive, surface, reached) = self.reached(&ray, &line, &hit);
         let front = ray.dir.dot(surface.outward) < 0.0;
-        let material = self.prepared.material(hit.geometry);
-        let meeting = match material.interface {
-            Interface::Dielectric { medium, .. } => Some(ray.stack.meet(scene, medium, front)),
-            _ => None,
-        };
-        let (object, primitive, point) = (hit.geometry, hit.primitive, surface.point);
+        let material = self.prepared.material(object);
+        let Reached { meeting, onward, returning } = reached;
+        let meeting = meeting.or_else(|| {
+            let body = self.prepared.bodies.of_object(object)?;
+            Some(ray.stack.meet(filled, body, front))
+        });
+        let point = surface.point;
         if let Some(Meeting::NotThere(beyond)) = meeting {
             self.note(ray.node, |event| event.met = Met::Absent { object, primitive, point });
-            self.pass(&ray, &surface, beyond);
+            self.pass(&ray, &surface, beyond, onward);
             return;
         }
         let geometric = if front { surface.outward } else { -surface.outward };
@@ -162,13 +186,49 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let cos_i = -ray.dir.dot(shading);
         self.note(ray.node, |event| event.met = Met::Surface { object, primitive, point, front, cos_i });
         let before = ray.polarisation.map(|carried| carried.facing(ray.dir, shading));
-        let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i, before };
+        let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i, onward, returning, before };
         self.meet(&arrival, meeting);
         self.send_branches(&arrival);
     }
 
+    /// The surface that counts where a ray arrives: the one it hit, unless surfaces touch there.
+    fn reached(&self, ray: &Pending, line: &Ray64, hit: &Hit64) -> (u32, u32, Surface, Reached) {
+        let prepared = self.prepared;
+        let (scene, contacts, filled) = (prepared.scene, &prepared.contacts, prepared.filled());
+        let (place, surface) = match ray.through {
+            Some(way) => (Place::resumed(scene, contacts, way), None),
+            None => {
+                let surface = Surface::at(scene, line, hit);
+                let id = (hit.geometry, hit.primitive);
+                (Place::met(scene, contacts, id, [line.origin, line.dir], surface.point), Some(surface))
+            }
+        };
+        let Some(place) = place else {
+            let surface = surface.expect("layers of a place are there as long as a ray is between them");
+            return (hit.geometry, hit.primitive, surface, Reached::default());
+        };
+        let outside = |face: &Face| face.outward(place.point()).dot(ray.dir) < 0.0;
+        let (face, meeting) = match place.layer() {
+            Layer::Alone(face) => (face, None),
+            Layer::Media(faces) => {
+                let body = |face: &Face| prepared.bodies.of_object(face.object).unwrap_or(0);
+                let mut crossed: Vec<(u32, bool)> = faces.iter().map(|face| (body(face), outside(face))).collect();
+                crossed.sort_unstable();
+                let meeting = ray.stack.meet_all(filled, &crossed);
+                let sides = match &meeting {
+                    Meeting::Boundary { from, to, .. } => [*from, *to],
+                    Meeting::NotThere(beyond) => [ray.stack.top(filled), beyond.top(filled)],
+                };
+                (governing(scene, faces, sides, outside), Some(meeting))
+            }
+        };
+        let surface = Surface::on_face(scene, line, face, place.point(), place.spread(face).0);
+        let reached = Reached { meeting, onward: place.onward(), returning: place.returning() };
+        (face.object, face.primitive, surface, reached)
+    }
+
     /// Straight on through a surface that is not there.
-    fn pass(&mut self, ray: &Pending, surface: &Surface, stack: MediumStack) {
+    fn pass(&mut self, ray: &Pending, surface: &Surface, stack: MediumStack, through: Option<Through>) {
         let kind = RayKind::Transmitted;
         if ray.passed >= PASSED_AT_MOST {
             self.tally.truncated += ray.weight;
@@ -177,12 +237,13 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             return;
         }
         let origin = surface.start(ray.dir);
-        self.queue(ray.node, Pending { origin, stack, kind, passed: ray.passed + 1, ..ray.clone() });
+        self.queue(ray.node, Pending { origin, stack, kind, passed: ray.passed + 1, through, ..ray.clone() });
     }
 
     /// Has a ray wait that was sent where the ray of `parent` ended.
     fn queue(&mut self, parent: Node, mut ray: Pending) {
-        ray.node = self.record.note(|tree| tree.sent(ray.event(Some(parent))));
+        let filled = self.prepared.filled();
+        ray.node = self.record.note(|tree| tree.sent(ray.event(filled, Some(parent))));
         self.pending.push(ray);
     }
 
@@ -205,10 +266,9 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     /// The table of shares at the head of `scene/material.rs`.
     fn meet(&mut self, at: &Arrival, meeting: Option<Meeting>) {
         let prepared = self.prepared;
-        let scene = prepared.scene;
         let one = DVec3::ONE;
         let nm = at.ray.nm;
-        let here = || prepared.ior(at.ray.stack.top(scene), nm);
+        let here = || prepared.ior(at.ray.stack.top(prepared.filled()), nm);
         match at.material.interface {
             Interface::Opaque => {
                 self.split(at, Split::OPAQUE);
@@ -413,7 +473,21 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             let dir = dir.normalize();
             let polarisation = polarisation.map(|carried| carried.along(dir));
             let origin = at.surface.start(dir);
-            let ray = Pending { origin, dir, weight, depth, kind, nm, stack, passed: 0, polarisation, budget, node: 0 };
+            let through = if dir.dot(at.geometric) < 0.0 { at.onward } else { at.returning };
+            let ray = Pending {
+                origin,
+                dir,
+                weight,
+                depth,
+                kind,
+                nm,
+                stack,
+                passed: 0,
+                through,
+                polarisation,
+                budget,
+                node: 0,
+            };
             self.queue(at.ray.node, ray);
         }
         self.branches = branches;
@@ -487,7 +561,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.tally.rays.add(RayKind::Shadow, at.ray.depth as usize, 1);
         let origin = at.surface.start(arriving.towards);
         let ray = Ray64 { t_max: arriving.distance, ..Ray64::new(origin, arriving.towards) };
-        let (share, unmatched_exits) = let_through(self.prepared, &ray, &at.ray.stack, at.ray.nm);
+        let (share, unmatched_exits) = let_through(self.prepared, &ray, at.returning, &at.ray.stack, at.ray.nm);
         self.tally.unmatched_exits += unmatched_exits;
         share
     }
@@ -518,9 +592,9 @@ impl Prepared<'_> {
 
 impl Pending {
     /// What is written down of it as it is sent.
-    fn event(&self, parent: Option<Node>) -> Event {
+    fn event(&self, filled: Filled, parent: Option<Node>) -> Event {
         let line = (self.origin, self.dir);
-        Event { media: self.stack.media().to_vec(), ..Event::sent(parent, self.kind, self.depth, line, self.weight) }
+        Event { media: self.stack.media(filled), ..Event::sent(parent, self.kind, self.depth, line, self.weight) }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Boundaries of transparent solids and liquids: light is reflected and refracted.
 
+use super::super::accumulate::set_lanes;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
@@ -18,21 +19,26 @@ use crate::optics::{
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// The stage for a formula, where media disperse light or none does.
+/// The stage for a formula, where media disperse light or none does, and where surfaces touch. Where they do, the stage
+/// disperses, too: that some media could is looked up and not compiled in.
 #[must_use]
-pub(super) fn pick<O: Optics>(model: RefractionModel, dispersing: bool) -> SplitStage {
-    if dispersing { pick_for::<O, true>(model) } else { pick_for::<O, false>(model) }
+pub(super) fn pick<O: Optics>(model: RefractionModel, dispersing: bool, touching: bool) -> SplitStage {
+    match (dispersing, touching) {
+        (_, true) => pick_for::<O, true, true>(model),
+        (true, false) => pick_for::<O, true, false>(model),
+        (false, false) => pick_for::<O, false, false>(model),
+    }
 }
 
-fn pick_for<O: Optics, const DISPERSING: bool>(model: RefractionModel) -> SplitStage {
+fn pick_for<O: Optics, const DISPERSING: bool, const TOUCHING: bool>(model: RefractionModel) -> SplitStage {
     match model {
-        RefractionModel::Stable => split::<O, Stable, DISPERSING>,
-        RefractionModel::Trigonometric => split::<O, Trigonometric, DISPERSING>,
-        RefractionModel::Heckbert => split::<O, Heckbert, DISPERSING>,
-        RefractionModel::Bec => split::<O, Bec, DISPERSING>,
-        RefractionModel::SlidesVector => split::<O, SlidesVector, DISPERSING>,
-        RefractionModel::Oliveira => split::<O, Oliveira, DISPERSING>,
-        RefractionModel::StraightThrough => split::<O, StraightThrough, DISPERSING>,
+        RefractionModel::Stable => split::<O, Stable, DISPERSING, TOUCHING>,
+        RefractionModel::Trigonometric => split::<O, Trigonometric, DISPERSING, TOUCHING>,
+        RefractionModel::Heckbert => split::<O, Heckbert, DISPERSING, TOUCHING>,
+        RefractionModel::Bec => split::<O, Bec, DISPERSING, TOUCHING>,
+        RefractionModel::SlidesVector => split::<O, SlidesVector, DISPERSING, TOUCHING>,
+        RefractionModel::Oliveira => split::<O, Oliveira, DISPERSING, TOUCHING>,
+        RefractionModel::StraightThrough => split::<O, StraightThrough, DISPERSING, TOUCHING>,
     }
 }
 
@@ -59,7 +65,7 @@ macro_rules! without_values {
 
 without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThrough);
 
-fn split<O: Optics, R: OfRender, const DISPERSING: bool>(
+fn split<O: Optics, R: OfRender, const DISPERSING: bool, const TOUCHING: bool>(
     shading: &mut Shading,
     surfaces: &mut [Surface8],
     depth: usize,
@@ -67,7 +73,7 @@ fn split<O: Optics, R: OfRender, const DISPERSING: bool>(
     let formula = R::of(shading);
     let total_is_lost = shading.total_is_lost;
     for surface in surfaces {
-        let Entered { boundary, beyond, fans } = enter(shading, surface, depth);
+        let Entered { boundary, beyond, fans } = enter::<TOUCHING>(shading, surface, depth);
         let mut lanes = surface.base_lanes;
         if DISPERSING {
             lanes &= !disperse::<O::Formula, R>(shading, surface, lanes, &fans, &formula, depth);
@@ -132,7 +138,7 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
         pixel: &surface.pixel,
         stack: beyond,
         lead: surface.lead(dir),
-        passes: &[0; 8],
+        passes: &surface.onward,
         place: surface.place,
         extra: extra.as_ref(),
     };
@@ -164,11 +170,16 @@ fn lose(shading: &mut Shading, surface: &Surface8, lost: u8, all: u8) -> u8 {
 /// What each lane meets, and the media beyond. Rays at boundaries that are not there go on; the others are left in
 /// `base_lanes`.
 #[inline(always)]
-fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered {
+fn enter<const TOUCHING: bool>(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered {
     let mut transitions = [None::<Transition>; 8];
     for (k, slot) in transitions.iter_mut().enumerate() {
-        if let Interface::Dielectric { medium, .. } = *shading.interface(surface, k) {
-            let crossing = shading.media.cross(surface.stack[k], medium, surface.front.lane(k));
+        let crossing = if TOUCHING {
+            shading.transition(surface, k)
+        } else {
+            let body = shading.media.body_of(surface.hit[k].geometry);
+            body.map(|body| shading.media.cross(surface.stack[k], body, surface.front.lane(k)))
+        };
+        if let Some(crossing) = crossing {
             shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
             *slot = Some(crossing);
         }
@@ -178,17 +189,29 @@ fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered
     surface.base_lanes = surface.active & real;
     let absent = surface.active & !real;
     if absent != 0 {
-        pass(shading, surface, absent, &beyond, depth);
+        pass::<TOUCHING>(shading, surface, absent, &beyond, depth);
     }
     let boundary = gather_boundaries(|k| transitions[k].map_or(Boundary::new(1.0, 1.0), |t| t.boundary));
     Entered { boundary, beyond, fans: transitions.map(|t| t.and_then(|t| t.fan)) }
 }
 
 /// Sends rays on through surfaces that are not there: same depth, same weight.
-fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId; 8], depth: usize) {
+fn pass<const TOUCHING: bool>(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    beyond: &[StackId; 8],
+    depth: usize,
+) {
     let passes = surface.passes.map(|n| n + 1);
     let spent = lane_bits(|k| passes[k] > MOST_PASSES) & lanes;
     shading.accumulator.add_truncated8(spent, &surface.pixel, &surface.weight);
+    let mut counts = passes;
+    if TOUCHING {
+        for lane in set_lanes(lanes & !spent) {
+            counts[lane] = shading.touching.count_passes(surface.onward[lane], passes[lane]);
+        }
+    }
     let extra = shading.extra(surface);
     let new = Spawn8 {
         origin: surface.below(),
@@ -199,7 +222,7 @@ fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId;
         pixel: &surface.pixel,
         stack: beyond,
         lead: surface.lead(surface.incident),
-        passes: &passes,
+        passes: &counts,
         place: surface.place,
         extra: extra.as_ref(),
     };

@@ -47,7 +47,7 @@ fn traced(
         pixel: &surface.pixel,
         stack: &surface.stack,
         lead: surface.lead(dir),
-        passes: &[0; 8],
+        passes: &surface.returning,
         place: surface.place,
         extra,
     };

@@ -31,16 +31,16 @@ const WHITE: Vec3x8 = Vector3::new(F32x8::ONE, F32x8::ONE, F32x8::ONE);
 
 /// The stage for a class; none where light ends.
 #[must_use]
-pub fn pick(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
+pub fn pick(class: Class, scene: &Scene, options: &Options, touching: bool) -> Option<SplitStage> {
     match options.fresnel {
-        FresnelModel::Exact => pick_for::<Unpolarised<Exact>>(class, scene, options),
-        FresnelModel::Polarised => pick_for::<Polarised>(class, scene, options),
-        FresnelModel::Schlick => pick_for::<Unpolarised<Schlick>>(class, scene, options),
-        FresnelModel::Off => pick_for::<Unpolarised<AtNormal>>(class, scene, options),
+        FresnelModel::Exact => pick_for::<Unpolarised<Exact>>(class, scene, options, touching),
+        FresnelModel::Polarised => pick_for::<Polarised>(class, scene, options, touching),
+        FresnelModel::Schlick => pick_for::<Unpolarised<Schlick>>(class, scene, options, touching),
+        FresnelModel::Off => pick_for::<Unpolarised<AtNormal>>(class, scene, options, touching),
     }
 }
 
-fn pick_for<O: Optics>(class: Class, scene: &Scene, options: &Options) -> Option<SplitStage> {
+fn pick_for<O: Optics>(class: Class, scene: &Scene, options: &Options, touching: bool) -> Option<SplitStage> {
     match class {
         Class::Opaque => None,
         Class::Mirror => Some(mirror::traced::<O>),
@@ -53,7 +53,7 @@ fn pick_for<O: Optics>(class: Class, scene: &Scene, options: &Options) -> Option
             Environment::LatLong { .. } => mirror::of_environment::<sky::LatLong>,
         }),
         Class::Conductor => Some(mirror::conductor::<O>),
-        Class::Dielectric => Some(dielectric::pick::<O>(options.bending(), disperses(scene, options))),
+        Class::Dielectric => Some(dielectric::pick::<O>(options.bending(), disperses(scene, options), touching)),
         Class::Thin => Some(film::thin::<O>),
         Class::Coated => Some(film::coated::<O>),
         Class::Alpha => Some(film::alpha::<O>),
@@ -95,7 +95,7 @@ fn straight_on<O: Optics>(
         pixel: &surface.pixel,
         stack: &surface.stack,
         lead: surface.lead(surface.incident),
-        passes: &[0; 8],
+        passes: &surface.onward,
         place: surface.place,
         extra: extra.as_ref(),
     };

@@ -1,0 +1,237 @@
+//! The layers of a place where surfaces touch, in the order in which a ray meets them.
+//!
+//! Both renderers use this, so that they mean the same by contact. `src/README.md`, "Touching surfaces", states the rules.
+
+use glam::DVec3;
+
+use crate::geometry::contact::{Contacts, Face};
+use crate::scene::{Interface, Scene};
+
+/// A surface of a place, or several that are crossed as one.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// A cover with holes, a thin pane or an opaque surface.
+    Alone(Face),
+    /// Boundaries of media, crossed at once.
+    Media(Vec<Face>),
+}
+
+/// A ray's way through the layers of a place, between two of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Through {
+    /// The face by which the place was found: object and triangle.
+    pub face: (u32, u32),
+    /// The place, in scene units.
+    pub point: DVec3,
+    /// True if the place was reached on the outside of that face.
+    pub from_front: bool,
+    /// Number of layers passed, counted from the side on which the place was reached.
+    pub passed: u8,
+    /// True if the ray goes back to the side on which the place was reached.
+    pub back: bool,
+}
+
+/// A place where surfaces touch, as one ray arrives there.
+#[derive(Clone, Debug)]
+pub struct Place {
+    layers: Vec<Layer>,
+    /// Layers of the nearer of two surfaces that touch at a point; all of them where faces coincide.
+    nearer: usize,
+    way: Through,
+}
+
+impl Place {
+    /// The place at which a traced ray met a face; none where nothing else lies there. `point` is on the face.
+    #[must_use]
+    pub fn met(
+        scene: &Scene,
+        contacts: &Contacts,
+        (object, primitive): (u32, u32),
+        [origin, dir]: [DVec3; 2],
+        point: DVec3,
+    ) -> Option<Self> {
+        if !contacts.touches(object, primitive) {
+            return None;
+        }
+        let outward = Face::of(&scene.geometry, object, primitive).outward(point);
+        let from_front = dir.dot(outward) < 0.0;
+        let way = Through { face: (object, primitive), point, from_front, passed: 0, back: false };
+        let mut place = Self::at(scene, contacts, way)?;
+        place.way.passed = place.already_passed(contacts, origin) as u8;
+        Some(place)
+    }
+
+    /// The place that a ray is on its way through.
+    #[must_use]
+    pub fn resumed(scene: &Scene, contacts: &Contacts, way: Through) -> Option<Self> {
+        Self::at(scene, contacts, way).filter(|place| place.index().is_some())
+    }
+
+    fn at(scene: &Scene, contacts: &Contacts, way: Through) -> Option<Self> {
+        let Through { face: (object, primitive), point, from_front, .. } = way;
+        let own = Face::of(&scene.geometry, object, primitive);
+        let outward = own.outward(point);
+        // Points to the side on which the place was reached.
+        let towards_ray = if from_front { outward } else { -outward };
+        let gather = |face: &Face| {
+            let mut faces = Vec::new();
+            contacts.faces_at(face.object, face.primitive, point, face.reach(point), &mut faces);
+            order(scene, faces, towards_ray, point)
+        };
+        if let Some((tangent, sphere, other)) = contacts.tangent_at(object, primitive, point) {
+            let into_other = towards_ray.dot(tangent.towards) < 0.0;
+            let (first, second) = if into_other { (sphere, other) } else { (other, sphere) };
+            let mut layers = gather(&first);
+            let nearer = layers.len();
+            layers.extend(gather(&second));
+            return Some(Self { layers, nearer, way });
+        }
+        let layers = gather(&own);
+        let faces: usize = layers.iter().map(|layer| layer.faces().len()).sum();
+        let lone = faces == 1 && layers[0].faces()[0].id() == own.id();
+        (!lone).then(|| Self { nearer: layers.len(), layers, way })
+    }
+
+    /// The layers in front of a ray that came from `origin`: none, unless it started between two surfaces that touch at a
+    /// point.
+    fn already_passed(&self, contacts: &Contacts, origin: DVec3) -> usize {
+        let (object, primitive) = self.way.face;
+        let Some((tangent, sphere, other)) = contacts.tangent_at(object, primitive, self.way.point) else { return 0 };
+        let met_nearer = self.layers[..self.nearer].iter().flat_map(Layer::faces).any(|f| f.object == object);
+        if met_nearer {
+            return 0;
+        }
+        // The farther one was met first. Either rounding swapped the two, or the ray started in the gap.
+        let nearer_is_sphere = self.layers[0].faces().iter().any(|f| f.object == sphere.object);
+        let beyond_nearer = if nearer_is_sphere {
+            sphere.height(origin) < -sphere.reach(origin)
+        } else {
+            let gap_side = -other.outward(tangent.contact).dot(tangent.towards).signum();
+            other.height(origin) * gap_side < -other.reach(origin)
+        };
+        if beyond_nearer { 0 } else { self.nearer }
+    }
+
+    /// The layer that the ray meets now.
+    fn index(&self) -> Option<usize> {
+        let passed = usize::from(self.way.passed);
+        let index = if self.way.back { passed.checked_sub(1)? } else { passed };
+        (index < self.layers.len()).then_some(index)
+    }
+
+    /// The layer that the ray meets now.
+    #[must_use]
+    pub fn layer(&self) -> &Layer {
+        &self.layers[self.index().unwrap_or(0)]
+    }
+
+    /// The way of a ray that goes on behind the present layer; none where it leaves the place.
+    #[must_use]
+    pub fn onward(&self) -> Option<Through> {
+        let index = self.index()?;
+        let way = Through { passed: if self.way.back { index } else { index + 1 } as u8, ..self.way };
+        self.continued(way)
+    }
+
+    /// The way of a ray that leaves the present layer on the side it arrived on; none where it leaves the place.
+    #[must_use]
+    pub fn returning(&self) -> Option<Through> {
+        let index = self.index()?;
+        let passed = if self.way.back { index + 1 } else { index } as u8;
+        self.continued(Through { passed, back: !self.way.back, ..self.way })
+    }
+
+    fn continued(&self, way: Through) -> Option<Through> {
+        let more = if way.back { way.passed > 0 } else { usize::from(way.passed) < self.layers.len() };
+        more.then_some(way)
+    }
+
+    /// Distance between the faces of the place that lie together with the present layer and one of them, and the
+    /// largest distance that an `f32` ray must start off any of them, in scene units.
+    #[must_use]
+    pub fn spread(&self, governing: &Face) -> (f64, f64) {
+        let index = self.index().unwrap_or(0);
+        let together = if index < self.nearer { &self.layers[..self.nearer] } else { &self.layers[self.nearer..] };
+        let point = self.way.point;
+        let height = |face: &Face| face.height(point) * face.outward(point).dot(governing.outward(point)).signum();
+        let faces = together.iter().flat_map(Layer::faces);
+        faces.fold((0.0, 0.0), |(apart, reach): (f64, f64), face| {
+            (apart.max((height(face) - height(governing)).abs()), reach.max(face.reach(point)))
+        })
+    }
+
+    /// The objects that lie at the place, each with whether a ray into `dir` arrives on its outside, and twice the largest
+    /// distance between two of them, in scene units.
+    #[must_use]
+    pub fn sides(&self, dir: DVec3) -> (Vec<(u32, bool)>, f64) {
+        let point = self.way.point;
+        let faces = || self.layers.iter().flat_map(Layer::faces);
+        let sides = faces().map(|face| (face.object, face.outward(point).dot(dir) < 0.0)).collect();
+        let apart = faces().map(|face| face.height(point).abs() + face.reach(point)).fold(0.0, f64::max);
+        (sides, 2.0 * apart)
+    }
+
+    /// The point of the place, in scene units.
+    #[must_use]
+    pub fn point(&self) -> DVec3 {
+        self.way.point
+    }
+}
+
+impl Layer {
+    /// The faces of the layer.
+    #[must_use]
+    pub fn faces(&self) -> &[Face] {
+        match self {
+            Self::Alone(face) => std::slice::from_ref(face),
+            Self::Media(faces) => faces,
+        }
+    }
+}
+
+/// The face of a layer of media whose normal, tint and reflectance count, for a ray between media `from` and `to`: one that
+/// bounds the medium behind, else one that bounds the medium before. `arrives_outside` says on which side of a face the
+/// ray arrives.
+#[must_use]
+pub fn governing<'a>(
+    scene: &Scene,
+    faces: &'a [Face],
+    [from, to]: [u32; 2],
+    arrives_outside: impl Fn(&Face) -> bool,
+) -> &'a Face {
+    let medium = |face: &Face| scene.medium_of(face.object as usize);
+    let behind = faces.iter().find(|face| medium(face) == Some(to) && arrives_outside(face));
+    let before = || faces.iter().find(|face| medium(face) == Some(from) && !arrives_outside(face));
+    behind.or_else(before).unwrap_or(&faces[0])
+}
+
+/// The faces of a place as layers: covers, panes, then media or, where there is one, an opaque surface. It ends the ray in
+/// the medium in which the ray arrives, so that no boundary of that place is crossed before it.
+fn order(scene: &Scene, faces: Vec<Face>, towards_ray: DVec3, point: DVec3) -> Vec<Layer> {
+    let interface = |face: &Face| &scene.materials[scene.objects[face.object as usize].material as usize].interface;
+    // What faces the ray comes first, then what is listed later.
+    let rank = |face: &Face| {
+        let faces_ray = face.outward(point).dot(towards_ray) > 0.0;
+        (!faces_ray, std::cmp::Reverse(face.object), face.primitive)
+    };
+    let (mut covers, mut panes, mut media, mut opaque) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for face in faces {
+        match interface(&face) {
+            Interface::Alpha { .. } => covers.push(face),
+            Interface::ThinDielectric { .. } => panes.push(face),
+            Interface::Dielectric { .. } => media.push(face),
+            Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
+                opaque.push(face);
+            }
+        }
+    }
+    covers.sort_by_key(rank);
+    panes.sort_by_key(rank);
+    let mut layers: Vec<Layer> = covers.into_iter().chain(panes).map(Layer::Alone).collect();
+    if let Some(face) = opaque.into_iter().min_by_key(rank) {
+        layers.push(Layer::Alone(face));
+    } else if !media.is_empty() {
+        layers.push(Layer::Media(media));
+    }
+    layers
+}
