@@ -164,10 +164,12 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             return;
         }
         if !hit.is_hit() && ray.through.is_none() {
+            self.tally.missed += u64::from(ray.kind == RayKind::Camera);
             self.add(ray.node, Source::Environment, ray.weight * colour::of_environment(scene, ray.dir));
             return;
         }
         let (object, primitive, surface, reached) = self.reached(&ray, &line, &hit);
+        self.tally.met.insert(object);
         let front = ray.dir.dot(surface.outward) < 0.0;
         let material = self.prepared.material(object);
         let Reached { meeting, onward, returning } = reached;
@@ -542,6 +544,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
         let radiance = weight * sent * let_through;
         self.tally.add(radiance);
+        self.tally.lit |= radiance != DVec3::ZERO;
         Some(Lit { arriving, unshadowed: weight * sent, radiance })
     }
 
