@@ -16,6 +16,9 @@ use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 use crate::trial::timing::{self, Figure};
 
+/// Touching pairs that the text lists.
+const MOST_PAIRS: usize = 12;
+
 /// Widest line of the tables.
 const COLUMNS: usize = 80;
 
@@ -131,6 +134,8 @@ struct Explained<'a> {
     hidden: Vec<[String; 2]>,
     /// Lights that light nothing that is seen, and why.
     useless_lights: Vec<String>,
+    /// Objects that touch.
+    touching: Vec<Touching>,
     /// Objects that are shaded together.
     shared: Vec<Shared>,
     rays: Budget,
@@ -144,6 +149,16 @@ struct Row {
     left_out: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     worth: Option<Worth>,
+}
+
+#[derive(serde::Serialize)]
+struct Touching {
+    /// Twice the same for duplicate faces within one.
+    objects: [String; 2],
+    /// Pairs of faces that coincide.
+    faces: u32,
+    /// Points at which a sphere touches.
+    points: u32,
 }
 
 #[derive(serde::Serialize)]
@@ -191,6 +206,15 @@ impl<'a> Explained<'a> {
             effects: plan.decisions.iter().map(row).collect(),
             stack: plan.stack.clone(),
             hidden: hidden.filter_map(|(o, wall)| Some([object(o), object((*wall)?)])).collect(),
+            touching: plan
+                .touching
+                .iter()
+                .map(|pair| Touching {
+                    objects: pair.objects.map(|o| object(o as usize)),
+                    faces: pair.faces,
+                    points: pair.points,
+                })
+                .collect(),
             useless_lights: plan.reach.useless.iter().flatten().cloned().collect(),
             shared: render::shared_shading(scene, &plan.reach)
                 .into_iter()
@@ -223,6 +247,12 @@ impl<'a> Explained<'a> {
         {
             wrap("proven: ", &fact, &mut lines);
         }
+        for pair in self.touching.iter().take(MOST_PAIRS) {
+            wrap("touching: ", &pair.text(), &mut lines);
+        }
+        if self.touching.len() > MOST_PAIRS {
+            lines.push(format!("touching: {} pairs more (all with --json)", self.touching.len() - MOST_PAIRS));
+        }
         for shared in &self.shared {
             wrap("shaded together: ", &shared.text(), &mut lines);
         }
@@ -248,6 +278,17 @@ impl<'a> Explained<'a> {
             }
         }
         lines.join("\n") + "\n"
+    }
+}
+
+impl Touching {
+    fn text(&self) -> String {
+        let [a, b] = &self.objects;
+        match (a == b, self.faces) {
+            (true, n) => format!("`{a}` has {n} pairs of duplicate faces"),
+            (false, 0) => format!("`{a}` and `{b}` at a point"),
+            (false, _) => format!("`{a}` and `{b}` share a surface"),
+        }
     }
 }
 

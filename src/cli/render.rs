@@ -139,7 +139,7 @@ mod tests {
 
     use super::*;
     use crate::accel::BuildStats;
-    use crate::render::{Outcome, RayCounts, Seen, StreamCounts};
+    use crate::render::{Outcome, RayCounts, Seen, StreamCounts, TouchingFound};
 
     #[test]
     fn strict_lets_nothing_pass_that_was_dropped_clamped_or_left_unmatched() {
@@ -153,6 +153,7 @@ mod tests {
                 unmatched_exits,
                 streams: StreamCounts::default(),
                 seen: Seen::default(),
+                touching: TouchingFound::default(),
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

@@ -46,6 +46,7 @@ pub(super) struct Summary<'a> {
     size: Size,
     /// None where the back end keeps its tree to itself.
     tree: Option<Tree>,
+    touching: Touching,
     seconds: Seconds,
     rays: Rays,
     losses: Losses,
@@ -107,6 +108,15 @@ struct Tree {
     leaves: usize,
     depth: usize,
     bytes: usize,
+}
+
+/// Touching surfaces that were found before the first ray.
+#[derive(serde::Serialize)]
+struct Touching {
+    /// Pairs of objects.
+    pairs: usize,
+    /// Wall time of the search, part of that of the render.
+    seconds: f64,
 }
 
 /// Wall time of each step, in seconds.
@@ -239,6 +249,7 @@ impl<'a> Summary<'a> {
                 clipped: *clipped,
             },
             truncated: Truncated::of(&outcome.truncated),
+            touching: Touching { pairs: outcome.touching.pairs, seconds: outcome.touching.time.as_secs_f64() },
             warnings,
             defaults: report.defaults.clone(),
             budget: *budget,
@@ -280,6 +291,10 @@ impl<'a> Summary<'a> {
         if let Some(t) = &self.tree {
             let (nodes, leaves) = (counted(t.nodes as u64, "node"), grouped(t.leaves as u64));
             line("tree", format!("{nodes}, {leaves} leaves, depth {}, {}", t.depth, bytes(t.bytes as u64)));
+        }
+        if self.touching.pairs > 0 {
+            let pairs = counted(self.touching.pairs as u64, "pair");
+            line("touching", format!("{pairs} of objects, found in {:.4} s", self.touching.seconds));
         }
         let library = self.library.as_ref().map_or(String::new(), |version| format!(" ({version})"));
         let threads = counted(self.threads as u64, "thread");

@@ -2,6 +2,7 @@
 
 use super::reason::Facts;
 use super::{Effect, EffectSet, RayBound, Reach, without};
+use crate::geometry::contact::Pair;
 use crate::scene::Scene;
 
 /// What a render is asked for in the way of effects.
@@ -41,6 +42,8 @@ pub struct EffectPlan {
     pub decisions: Vec<Decision>,
     /// What rays and lights can reach.
     pub reach: Reach,
+    /// Pairs of objects that touch, where that changes the picture.
+    pub touching: Vec<Pair>,
     /// How many media a ray can be in at once, in words.
     pub stack: String,
     /// How many rays a pixel takes at most.
@@ -53,7 +56,8 @@ impl EffectPlan {
     pub fn resolve(scene: &Scene, options: &Options) -> Self {
         let scene = without(scene, options.without);
         let reach = Reach::of(&scene);
-        let facts = Facts::new(&scene, &reach);
+        let touching = super::contacts(&scene).pairs().to_vec();
+        let facts = Facts::new(&scene, &reach, &touching);
         let decisions = Effect::ALL
             .iter()
             .map(|&effect| {
@@ -67,7 +71,7 @@ impl EffectPlan {
             .collect();
         let (nested, stack) = facts.stack();
         let rays = RayBound::of(&scene, &reach, nested);
-        Self { decisions, stack, rays, reach }
+        Self { decisions, stack, rays, reach, touching }
     }
 
     /// The effects that are simulated.

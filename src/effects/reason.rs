@@ -2,6 +2,7 @@
 
 use super::shell::is_closed;
 use super::{Effect, Reach};
+use crate::geometry::contact::Pair;
 use crate::geometry::{Aabb, Shape};
 use crate::scene::{Colour, Environment, FresnelRule, Interface, Material, Rgb, Scene, ShadowRule};
 
@@ -12,6 +13,7 @@ const MOST_TRIANGLES: usize = 200_000;
 pub(super) struct Facts<'a> {
     scene: &'a Scene,
     reach: &'a Reach,
+    touching: &'a [Pair],
     /// Media that a ray can be in.
     media: Vec<u32>,
 }
@@ -20,13 +22,13 @@ pub(super) struct Facts<'a> {
 type Answer = (bool, String);
 
 impl<'a> Facts<'a> {
-    pub fn new(scene: &'a Scene, reach: &'a Reach) -> Self {
+    pub fn new(scene: &'a Scene, reach: &'a Reach, touching: &'a [Pair]) -> Self {
         let mut media = vec![0];
         media.extend(scene.camera.medium);
         media.extend((0..scene.objects.len()).filter(|&o| reach.meets(o)).filter_map(|o| medium_of(scene, o)));
         media.sort_unstable();
         media.dedup();
-        Self { scene, reach, media }
+        Self { scene, reach, touching, media }
     }
 
     /// What is decided of an effect.
@@ -287,9 +289,8 @@ impl<'a> Facts<'a> {
 
     /// On where surfaces touch: the first pair, and the number of the others.
     fn touching(&self) -> Answer {
-        let contacts = super::contacts(self.scene);
         let name = |o: u32| &self.scene.objects[o as usize].name;
-        let Some((first, others)) = contacts.pairs().split_first() else {
+        let Some((first, others)) = self.touching.split_first() else {
             return off("no surfaces touch");
         };
         let [a, b] = first.objects;
@@ -298,7 +299,11 @@ impl<'a> Facts<'a> {
             (false, 0) => format!("`{}` touches `{}` at a point", name(a), name(b)),
             (false, _) => format!("`{}` and `{}` share a surface", name(a), name(b)),
         };
-        let more = if others.is_empty() { String::new() } else { format!(" (and {} pairs more)", others.len()) };
+        let more = match others.len() {
+            0 => String::new(),
+            1 => String::from(" (and 1 pair more)"),
+            n => format!(" (and {n} pairs more)"),
+        };
         (true, what + &more)
     }
 

@@ -3,8 +3,10 @@
 //! A check finds one kind of fault. To add one: write a file beside this one that holds a [`Check`], name it in [`CHECKS`],
 //! and add its row to the table of warnings in `scenes/README.md` (a test compares the two).
 
+mod decal;
 mod dropped;
 mod facts;
+mod near;
 mod notice;
 mod survey;
 mod unused;
@@ -34,7 +36,7 @@ pub enum Find {
 }
 
 /// All checks, in the order in which their findings are reported.
-pub const CHECKS: &[Check] = &[unused::CHECK, dropped::CHECK];
+pub const CHECKS: &[Check] = &[unused::CHECK, dropped::CHECK, decal::CHECK, near::CHECK];
 
 /// Findings of the checks that need no picture.
 #[must_use]

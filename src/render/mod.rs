@@ -42,10 +42,11 @@ mod worker;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use options::{Observer, Options, Reflection};
-pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts};
+pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use crate::accel::Intersector;
 use crate::effects::{self, Effect, Reach};
@@ -78,7 +79,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let settings = &scene.settings;
     room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    let (bodies, contacts) = (Bodies::of(scene), contacts(scene, options));
+    let (bodies, (contacts, touching)) = (Bodies::of(scene), contacts(scene, options));
     let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
     let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
     let next = AtomicUsize::new(0);
@@ -139,6 +140,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         clamped: tally.clamped,
         unmatched_exits: tally.unmatched_exits,
         streams: tally.streams,
+        touching,
         seen: tally.seen,
     })
 }
@@ -156,7 +158,7 @@ pub fn recorded<I: Intersector>(
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
     let scene = &*effects::without(scene, options.effects.without);
-    let (bodies, contacts) = (Bodies::of(scene), contacts(scene, options));
+    let (bodies, (contacts, _)) = (Bodies::of(scene), contacts(scene, options));
     let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
     let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
     if stages.carries {
@@ -174,8 +176,14 @@ pub fn recorded<I: Intersector>(
 }
 
 /// The touching surfaces of a scene, unless they are left out.
-fn contacts(scene: &Scene, options: &Options) -> Contacts {
-    if options.effects.without.has(Effect::Touching) { Contacts::default() } else { effects::contacts(scene) }
+fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
+    if options.effects.without.has(Effect::Touching) {
+        return Default::default();
+    }
+    let start = Instant::now();
+    let contacts = effects::contacts(scene);
+    let found = TouchingFound { pairs: contacts.pairs().len(), time: start.elapsed() };
+    (contacts, found)
 }
 
 /// The functions that a scene calls for.

@@ -1,5 +1,7 @@
 //! What a render gives back beside the picture.
 
+use std::time::Duration;
+
 use crate::image::Film;
 
 /// A finished picture and what it took.
@@ -22,6 +24,17 @@ pub struct Outcome {
     pub streams: StreamCounts,
     /// Objects that rays met, and light that reached them.
     pub seen: Seen,
+    /// Touching surfaces.
+    pub touching: TouchingFound,
+}
+
+/// Touching surfaces that were found before the first ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TouchingFound {
+    /// Pairs of objects that touch.
+    pub pairs: usize,
+    /// Wall time of the search.
+    pub time: Duration,
 }
 
 /// Objects that the rays of a picture met, and light that reached them.

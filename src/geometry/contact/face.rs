@@ -77,6 +77,16 @@ impl Face {
         }
     }
 
+    /// Returns true if a face that coincides with this one has its outside on the same side.
+    #[must_use]
+    pub fn faces_like(&self, other: &Self) -> bool {
+        let somewhere = match self.form {
+            Form::Triangle { corners: [a, ..], .. } | Form::Plane { point: a, .. } => a,
+            Form::Sphere { centre, radius } => centre + DVec3::X * radius,
+        };
+        self.outward(somewhere).dot(other.outward(somewhere)) > 0.0
+    }
+
     /// Signed distance of a point from the surface (of a triangle: from its plane), positive outside, in scene units.
     #[must_use]
     pub fn height(&self, point: DVec3) -> f64 {

@@ -82,6 +82,8 @@ pub struct Pair {
     pub objects: [u32; 2],
     /// Pairs of faces that coincide; 0 where the two touch at points alone.
     pub faces: u32,
+    /// Those of them that face the same side.
+    pub aligned: u32,
     /// Points at which a sphere touches.
     pub points: u32,
 }
@@ -183,7 +185,7 @@ impl Found {
         self.faces.sort_unstable();
         self.faces.dedup();
         let mut contacts = Contacts { places: vec![Places::None; geometry.len()], ..Contacts::default() };
-        let mut pairs: BTreeMap<[u32; 2], [u32; 2]> = BTreeMap::new();
+        let mut pairs: BTreeMap<[u32; 2], [u32; 3]> = BTreeMap::new();
         let mut partners: Vec<Vec<u32>> = Vec::new();
         let place = |contacts: &mut Contacts, partners: &mut Vec<Vec<u32>>, (object, primitive): (u32, u32)| -> u32 {
             let next = contacts.faces.len() as u32;
@@ -215,7 +217,10 @@ impl Found {
             let [i, j] = [a, b].map(|face| place(&mut contacts, &mut partners, face));
             partners[i as usize].push(j);
             partners[j as usize].push(i);
-            pairs.entry([a.0, b.0]).or_default()[0] += 1;
+            let [a_face, b_face] = [i, j].map(|k| contacts.faces[k as usize].face);
+            let counts = pairs.entry([a.0, b.0]).or_default();
+            counts[0] += 1;
+            counts[1] += u32::from(a_face.faces_like(&b_face));
         }
         for &([sphere, other], tangent) in &self.tangents {
             let [i, j] = [sphere, other].map(|face| place(&mut contacts, &mut partners, face));
@@ -223,13 +228,16 @@ impl Found {
             contacts.tangents.push(Tangent { sphere: i, other: j, ..tangent });
             contacts.faces[i as usize].tangents.push(number);
             contacts.faces[j as usize].tangents.push(number);
-            pairs.entry([sphere.0.min(other.0), sphere.0.max(other.0)]).or_default()[1] += 1;
+            pairs.entry([sphere.0.min(other.0), sphere.0.max(other.0)]).or_default()[2] += 1;
         }
         for (place, partners) in partners.into_iter().enumerate() {
             let index = Partners::new(&contacts.faces[place].face, partners, |i| contacts.faces[i as usize].face);
             contacts.faces[place].partners = index;
         }
-        contacts.pairs = pairs.into_iter().map(|(objects, [faces, points])| Pair { objects, faces, points }).collect();
+        contacts.pairs = pairs
+            .into_iter()
+            .map(|(objects, [faces, aligned, points])| Pair { objects, faces, aligned, points })
+            .collect();
         contacts
     }
 }

@@ -52,7 +52,7 @@ fn objects_at(contacts: &Contacts, object: u32, primitive: u32, point: DVec3) ->
 fn a_box_on_a_plane_touches_it_with_its_bottom_alone() {
     let scene = [mesh(cuboid(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 1.0, 1.0))), plane(Vec3::ZERO, Vec3::Y)];
     let found = contacts(&scene);
-    assert_eq!(found.pairs(), [Pair { objects: [0, 1], faces: 2, points: 0 }]);
+    assert_eq!(found.pairs(), [Pair { objects: [0, 1], faces: 2, aligned: 0, points: 0 }]);
     let bottom: Vec<u32> = (0..12).filter(|&i| found.touches(0, i)).collect();
     assert_eq!(bottom, [4, 5]);
     assert_eq!(objects_at(&found, 1, 0, DVec3::new(0.5, 0.0, 0.2)), [1, 0]);
@@ -113,10 +113,10 @@ fn a_disc_of_many_faces_on_a_grid_of_many_is_found_everywhere() {
 #[test]
 fn equal_spheres_coincide_and_a_ball_touches_its_plane_at_a_point() {
     let twins = contacts(&[sphere(Vec3::X, 0.9), sphere(Vec3::X, 0.9), sphere(Vec3::X, 1.0)]);
-    assert_eq!(twins.pairs(), [Pair { objects: [0, 1], faces: 1, points: 0 }]);
+    assert_eq!(twins.pairs(), [Pair { objects: [0, 1], faces: 1, aligned: 1, points: 0 }]);
     assert_eq!(objects_at(&twins, 0, 0, DVec3::new(1.9, 0.0, 0.0)), [0, 1]);
     let resting = contacts(&[sphere(Vec3::new(0.3, 1.0, 0.2), 1.0), plane(Vec3::ZERO, Vec3::Y)]);
-    assert_eq!(resting.pairs(), [Pair { objects: [0, 1], faces: 0, points: 1 }]);
+    assert_eq!(resting.pairs(), [Pair { objects: [0, 1], faces: 0, aligned: 0, points: 1 }]);
     let at = DVec3::new(f64::from(0.3_f32), 0.0, f64::from(0.2_f32));
     let (tangent, ball, floor) = resting.tangent_at(1, 0, at).expect("it touches there");
     assert_eq!((ball.object, floor.object), (0, 1));
@@ -144,7 +144,7 @@ fn duplicate_triangles_of_one_mesh_are_found_in_any_order_of_corners() {
     twice.triangles.push([b, c, a]);
     twice.triangles.push([c, b, a]);
     let found = contacts(&[mesh(twice.clone())]);
-    assert_eq!(found.pairs(), [Pair { objects: [0, 0], faces: 3, points: 0 }]);
+    assert_eq!(found.pairs(), [Pair { objects: [0, 0], faces: 3, aligned: 1, points: 0 }]);
     // One face of the object on each side.
     let middle = Face::of(&[mesh(twice)], 0, 3);
     let Form::Triangle { corners: [a, b, c], .. } = middle.form else { panic!("a triangle") };

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{FilmRay, Observer, Options, Outcome, Reflection, Seen, StreamCounts};
+use super::{FilmRay, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
@@ -47,6 +47,7 @@ pub struct Prepared<'a> {
     bodies: Bodies,
     /// Touching surfaces.
     contacts: Contacts,
+    touching: TouchingFound,
     fresnel: FresnelModel,
     refraction: RefractionModel,
     oliveira: Oliveira,
@@ -80,7 +81,7 @@ impl<'a> Prepared<'a> {
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
         let bodies = Bodies::of(scene);
-        let contacts = super::contacts(scene, options);
+        let (contacts, touching) = super::contacts(scene, options);
         let stack = media::around_the_eye(scene, &accel, Filled { media: &scene.media, bodies: &bodies });
         let settings = &scene.settings;
         let points = LampPoints::new(&settings.lamps);
@@ -91,6 +92,7 @@ impl<'a> Prepared<'a> {
             accel,
             bodies,
             contacts,
+            touching,
             fresnel,
             refraction,
             oliveira,
@@ -239,6 +241,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
         clamped: counts.clamped,
         unmatched_exits: counts.unmatched_exits,
         streams: StreamCounts::default(),
+        touching: prepared.touching,
         seen: Seen {
             objects: (0..prepared.scene.objects.len() as u32).map(|o| counts.met.contains(&o)).collect(),
             missed: counts.missed,
