@@ -31,12 +31,12 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
 
+    backend::start_threads(&job.options)?;
     let notices = notices::of_scene(&facts(&job, &scene, &report));
     if job.strict {
         warnings::refuse(&notices)?;
     }
 
-    backend::start_threads(&job.options)?;
     let (mut traced, spent) = match job.wish {
         Some(wish) => {
             let (traced, spent) = budget::render(&mut job, &mut scene, wish, &observer)?;

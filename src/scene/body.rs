@@ -79,10 +79,10 @@ impl Bodies {
             }
             bodies.of_object[solid.object] = bodies.bodies.len() as u32 - 1;
         }
-        // A medium that only the camera names has a body, too, by its priority.
+        // A medium that only the camera names surrounds what it holds: it yields to all bodies of its priority.
         for medium in 1..scene.media.len() as u32 {
             if bodies.bodies.iter().all(|body| body.medium != medium) {
-                let below = bodies.bodies[1..].iter().filter(|b| priority(b.medium) <= priority(medium));
+                let below = bodies.bodies[1..].iter().filter(|b| priority(b.medium) < priority(medium));
                 let rank = below.map(|b| b.rank).max().unwrap_or(0);
                 bodies.bodies.push(Body { medium, rank });
             }

@@ -132,7 +132,7 @@ fn stacked_sheets_are_as_clear_as_their_product() {
                 let z = -0.1 * k as f32;
                 scenes::cuboid(&mut scene, Vec3::new(-9.0, -9.0, z), Vec3::new(9.0, 9.0, z), material);
             }
-            // A flat box is two sheets in one place, of which the first met is met first and the other not at all.
+            // A flat box is a two-sided sheet: its two faces in one place are one.
             let outcome = scenes::native(&scene, &Options::default());
             let want = each.powi(sheets as i32);
             for p in &outcome.film.pixels {

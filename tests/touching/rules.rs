@@ -131,3 +131,31 @@ fn a_scene_without_touching_surfaces_says_so_and_one_with_them_names_a_pair() {
     let (on, because) = of(format!("{PLANE}, {}", block("glass").replace("0.5]", "0.6]")));
     assert!(!on && because == "no surfaces touch", "{because}");
 }
+
+/// The kinds of warning about a scene.
+fn warned(scene: &vitrum::scene::Scene) -> Vec<&'static str> {
+    let (report, options) = (vitrum::load::LoadReport::default(), vitrum::render::Options::default());
+    let file = std::path::Path::new("scene.toml");
+    let facts = vitrum::notices::Facts { file, scene, report: &report, options: &options };
+    vitrum::notices::of_scene(&facts).iter().map(|notice| notice.id).collect()
+}
+
+#[test]
+fn a_decal_of_another_material_and_walls_that_nearly_coincide_are_warned_of() {
+    let dark = format!(r#"{FLOOR}, {{ name = "dark", type = "diffuse", color = 0.1 }}"#);
+    let of = |materials: &str, meshes: String| warned(&crate::scene(&wall(materials, &meshes)));
+    assert_eq!(of(&dark, format!("{PLANE}, {}", sheet("dark"))), ["coplanar-materials"]);
+    let away = sheet("dark").replace("[90, 0, 0]", "[-90, 0, 0]");
+    assert!(of(&dark, format!("{PLANE}, {away}")).is_empty());
+    let liquids = r#"{ name = "g", type = "dielectric", ior = 1.5 }, { name = "w", type = "dielectric", ior = 1.33 }"#;
+    let cup = |radius: f64, faces: u32| {
+        format!(
+            r#"{{ shape = "lathe", profile = [[0, 0], [0.6, 0], [0.6, 1], [0.5, 1], [0.5, 0.1], [0, 0.1]], tessellation = 64, material = "g" }},
+            {{ shape = "lathe", profile = [[0, 0.1], [{radius}, 0.1], [{radius}, 0.7], [0, 0.7]], tessellation = {faces}, material = "w" }}"#
+        )
+    };
+    assert_eq!(of(liquids, cup(0.5, 48)), ["near-coincidence"]);
+    assert_eq!(of(liquids, cup(0.5, 64)), <[&str; 0]>::default());
+    assert_eq!(of(liquids, cup(0.54, 48)), <[&str; 0]>::default());
+    assert_eq!(of(liquids, cup(0.48, 48)), <[&str; 0]>::default());
+}

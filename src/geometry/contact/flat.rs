@@ -45,7 +45,8 @@ pub(super) fn find(
     }
 }
 
-/// Triangles of one mesh with the same three corners, in any order.
+/// Triangles of one mesh with the same three corners, in any order. A mesh of which each triangle has one that runs the
+/// other way round is two-sided, as some programs export thin sheets.
 fn duplicates(object: usize, mesh: &TriMesh, found: &mut Found) {
     let key = |i: usize| {
         let mut corners = mesh.corners(i).map(|p| (p + glam::Vec3::ZERO).to_array().map(f32::to_bits));
@@ -62,16 +63,29 @@ fn duplicates(object: usize, mesh: &TriMesh, found: &mut Found) {
     };
     let mut hashes: Vec<(u64, u32)> = (0..mesh.triangles.len()).into_par_iter().map(|i| (hash(i), i as u32)).collect();
     hashes.par_sort_unstable();
+    let mut turned = vec![false; mesh.triangles.len()];
     for same in hashes.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
         // Neighbours in the list suffice for a chain, but each face is asked for all of its partners.
         for (k, &(_, i)) in same.iter().enumerate().take(MOST_TWINS) {
             for &(_, j) in &same[k + 1..same.len().min(MOST_TWINS)] {
                 if mesh.is_usable(i as usize) && key(i as usize) == key(j as usize) {
                     found.coincide((object as u32, i), (object as u32, j));
+                    if !runs_alike(mesh.corners(i as usize), mesh.corners(j as usize)) {
+                        (turned[i as usize], turned[j as usize]) = (true, true);
+                    }
                 }
             }
         }
     }
+    let usable = (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)).count();
+    if usable > 0 && turned.iter().filter(|&&turned| turned).count() == usable {
+        found.two_sided.push(object as u32);
+    }
+}
+
+/// Returns true if two triangles with the same corners run through them in the same direction.
+fn runs_alike([a, b, c]: [glam::Vec3; 3], other: [glam::Vec3; 3]) -> bool {
+    [[a, b, c], [b, c, a], [c, a, b]].contains(&other)
 }
 
 /// Triangles at one place that are told of each other. More of them are one surface all the same: a ray that starts

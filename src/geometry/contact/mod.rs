@@ -36,6 +36,8 @@ pub struct Contacts {
     faces: Vec<Touching>,
     tangents: Vec<Tangent>,
     pairs: Vec<Pair>,
+    /// Objects of which each face is there a second time the other way round.
+    two_sided: Vec<u32>,
 }
 
 /// Entries of an object in the list of touching faces.
@@ -131,8 +133,8 @@ impl Contacts {
         self.entry(object, primitive).is_some()
     }
 
-    /// Puts into `faces` the faces that lie at `point` of the given face, itself first. One of each object and side. The
-    /// point counts as on a face that ends up to `slack` before it (scene units).
+    /// Puts into `faces` the faces that lie at `point` of the given face, its own first. One of each object and side; one of
+    /// each object that is two-sided. The point counts as on a face that ends up to `slack` before it (scene units).
     pub fn faces_at(&self, object: u32, primitive: u32, point: DVec3, slack: f64, faces: &mut Vec<Face>) {
         let Some(entry) = self.entry(object, primitive) else { return };
         let first = faces.len();
@@ -144,10 +146,11 @@ impl Contacts {
                 return;
             }
             let same_side = |a: &Face| a.outward(point).dot(outward) > 0.0;
-            let twin = |seen: &Face| seen.object == other.object && same_side(seen) == same_side(&other);
+            let two_sided = self.two_sided.binary_search(&other.object).is_ok();
+            let twin = |seen: &Face| seen.object == other.object && (two_sided || same_side(seen) == same_side(&other));
             match faces[first..].iter_mut().find(|seen| twin(seen)) {
-                // The face that was met stays; of others the lowest, whatever order they are found in.
-                Some(seen) if seen.primitive > other.primitive && seen.id() != (object, primitive) => *seen = other,
+                // The lowest counts, whichever was met and in whatever order they are found.
+                Some(seen) if seen.primitive > other.primitive => *seen = other,
                 Some(_) => {}
                 None => faces.push(other),
             }
@@ -174,6 +177,7 @@ struct Found {
     faces: Vec<[(u32, u32); 2]>,
     /// Spheres that touch a face, by (object, primitive).
     tangents: Vec<([(u32, u32); 2], Tangent)>,
+    two_sided: Vec<u32>,
 }
 
 impl Found {
@@ -184,7 +188,8 @@ impl Found {
     fn finish(mut self, geometry: &[Geometry]) -> Contacts {
         self.faces.sort_unstable();
         self.faces.dedup();
-        let mut contacts = Contacts { places: vec![Places::None; geometry.len()], ..Contacts::default() };
+        let places = vec![Places::None; geometry.len()];
+        let mut contacts = Contacts { places, two_sided: self.two_sided.clone(), ..Contacts::default() };
         let mut pairs: BTreeMap<[u32; 2], [u32; 3]> = BTreeMap::new();
         let mut partners: Vec<Vec<u32>> = Vec::new();
         let place = |contacts: &mut Contacts, partners: &mut Vec<Vec<u32>>, (object, primitive): (u32, u32)| -> u32 {

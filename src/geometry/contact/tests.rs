@@ -150,7 +150,20 @@ fn duplicate_triangles_of_one_mesh_are_found_in_any_order_of_corners() {
     let Form::Triangle { corners: [a, b, c], .. } = middle.form else { panic!("a triangle") };
     let mut faces = Vec::new();
     found.faces_at(0, 12, (a + b + c) / 3.0, 0.0, &mut faces);
-    assert_eq!(faces.iter().map(Face::id).collect::<Vec<_>>(), [(0, 12), (0, 13)]);
+    assert_eq!(faces.iter().map(Face::id).collect::<Vec<_>>(), [(0, 3), (0, 13)]);
+}
+
+#[test]
+fn of_a_mesh_whose_faces_are_all_there_twice_the_lowest_face_counts() {
+    let mut twice = cuboid(Vec3::ZERO, Vec3::ONE);
+    let turned: Vec<[u32; 3]> = twice.triangles.iter().map(|&[a, b, c]| [c, b, a]).collect();
+    twice.triangles.extend(turned);
+    let found = contacts(&[mesh(twice)]);
+    for met in [3, 15] {
+        let mut faces = Vec::new();
+        found.faces_at(0, met, DVec3::new(1.0, 0.3, 0.5), 0.5, &mut faces);
+        assert_eq!(faces.iter().map(Face::id).collect::<Vec<_>>(), [(0, 3)]);
+    }
 }
 
 #[test]
