@@ -37,6 +37,8 @@ pub struct Place {
     layers: Vec<Layer>,
     /// Layers of the nearer of two surfaces that touch at a point; all of them where faces coincide.
     nearer: usize,
+    /// All faces of the nearer and of the farther surface, those included that no layer needs.
+    faces: [Vec<Face>; 2],
     way: Through,
 }
 
@@ -76,20 +78,24 @@ impl Place {
         let gather = |face: &Face| {
             let mut faces = Vec::new();
             contacts.faces_at(face.object, face.primitive, point, face.reach(point), &mut faces);
-            order(scene, faces, towards_ray, point)
+            faces
         };
+        let order = |faces: &[Face]| order(scene, faces, towards_ray, point);
         if let Some((tangent, sphere, other)) = contacts.tangent_at(object, primitive, point) {
             let into_other = towards_ray.dot(tangent.towards) < 0.0;
             let (first, second) = if into_other { (sphere, other) } else { (other, sphere) };
-            let mut layers = gather(&first);
+            let faces = [gather(&first), gather(&second)];
+            let mut layers = order(&faces[0]);
             let nearer = layers.len();
-            layers.extend(gather(&second));
-            return Some(Self { layers, nearer, way });
+            layers.extend(order(&faces[1]));
+            return Some(Self { layers, nearer, faces, way });
         }
-        let layers = gather(&own);
-        let faces: usize = layers.iter().map(|layer| layer.faces().len()).sum();
-        let lone = faces == 1 && layers[0].faces()[0].id() == own.id();
-        (!lone).then(|| Self { nearer: layers.len(), layers, way })
+        let faces = gather(&own);
+        if faces.len() == 1 && faces[0].id() == own.id() {
+            return None;
+        }
+        let layers = order(&faces);
+        Some(Self { nearer: layers.len(), layers, faces: [faces, Vec::new()], way })
     }
 
     /// The layers in front of a ray that came from `origin`: none, unless it started between two surfaces that touch at a
@@ -151,11 +157,10 @@ impl Place {
     #[must_use]
     pub fn spread(&self, governing: &Face) -> (f64, f64) {
         let index = self.index().unwrap_or(0);
-        let together = if index < self.nearer { &self.layers[..self.nearer] } else { &self.layers[self.nearer..] };
         let point = self.way.point;
         let height = |face: &Face| face.height(point) * face.outward(point).dot(governing.outward(point)).signum();
-        let faces = together.iter().flat_map(Layer::faces);
-        faces.fold((0.0, 0.0), |(apart, reach): (f64, f64), face| {
+        let together = &self.faces[usize::from(index >= self.nearer)];
+        together.iter().fold((0.0, 0.0), |(apart, reach): (f64, f64), face| {
             (apart.max((height(face) - height(governing)).abs()), reach.max(face.reach(point)))
         })
     }
@@ -165,7 +170,7 @@ impl Place {
     #[must_use]
     pub fn sides(&self, dir: DVec3) -> (Vec<(u32, bool)>, f64) {
         let point = self.way.point;
-        let faces = || self.layers.iter().flat_map(Layer::faces);
+        let faces = || self.faces.iter().flatten();
         let sides = faces().map(|face| (face.object, face.outward(point).dot(dir) < 0.0)).collect();
         let apart = faces().map(|face| face.height(point).abs() + face.reach(point)).fold(0.0, f64::max);
         (sides, 2.0 * apart)
@@ -207,7 +212,7 @@ pub fn governing<'a>(
 
 /// The faces of a place as layers: covers, panes, then media or, where there is one, an opaque surface. It ends the ray in
 /// the medium in which the ray arrives, so that no boundary of that place is crossed before it.
-fn order(scene: &Scene, faces: Vec<Face>, towards_ray: DVec3, point: DVec3) -> Vec<Layer> {
+fn order(scene: &Scene, faces: &[Face], towards_ray: DVec3, point: DVec3) -> Vec<Layer> {
     let interface = |face: &Face| &scene.materials[scene.objects[face.object as usize].material as usize].interface;
     // What faces the ray comes first, then what is listed later.
     let rank = |face: &Face| {
@@ -215,7 +220,7 @@ fn order(scene: &Scene, faces: Vec<Face>, towards_ray: DVec3, point: DVec3) -> V
         (!faces_ray, std::cmp::Reverse(face.object), face.primitive)
     };
     let (mut covers, mut panes, mut media, mut opaque) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for face in faces {
+    for &face in faces {
         match interface(&face) {
             Interface::Alpha { .. } => covers.push(face),
             Interface::ThinDielectric { .. } => panes.push(face),

@@ -1,5 +1,6 @@
 //! Surfaces that touch: a clean picture by the rules of `src/README.md`, the same over every back end and in `f64`.
 
+mod agree;
 mod cases;
 mod rules;
 mod stacks;

@@ -99,7 +99,7 @@ fn cup(rng: &mut Rng) -> [String; 2] {
 }
 
 /// Pixels whose value moves where the camera ray moves by a ten-thousandth of a pixel or of the scene: edges.
-fn edges(scene: &Scene) -> Vec<bool> {
+pub fn edges(scene: &Scene) -> Vec<bool> {
     let prepared = Prepared::new(scene, vitrum::optics::FresnelModel::Exact);
     let (width, height) = (scene.settings.width, scene.settings.height);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));

@@ -252,12 +252,15 @@ fn sweep(
     let mut active: Vec<(u32, Vec<u32>)> = Vec::new();
     for &i in &sorted {
         let here = at(i);
-        for (object, faces) in &mut active {
+        active.retain_mut(|(_, faces)| {
+            faces.retain(|&j| at(j).hi[axis] >= here.lo[axis]);
+            !faces.is_empty()
+        });
+        for (object, faces) in &active {
             if *object == here.object || !matters(*object as usize, here.object as usize) {
                 continue;
             }
-            faces.retain(|&j| at(j).hi[axis] >= here.lo[axis]);
-            for &j in faces.iter() {
+            for &j in faces {
                 let there = at(j);
                 if here.lo.cmple(there.hi).all() && there.lo.cmple(here.hi).all() {
                     let [a, b] = [here, there].map(|c| Face::of(geometry, c.object, c.primitive));

@@ -1,10 +1,12 @@
 //! Spheres that coincide, and spheres that touch something at a point.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 
 use super::face::{Face, Form};
 use super::{Found, Tangent, tolerance};
-use crate::geometry::{Geometry, Shape, Sphere};
+use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
 
 /// The gap next to a contact counts as closed below so many times the distance that the starts of rays are moved by.
 const GAP: f64 = 4.0;
@@ -23,41 +25,54 @@ pub(super) fn find(
     let planes: Vec<usize> = (0..geometry.len())
         .filter(|&o| matches!(&geometry[o].shape, Shape::Plane(plane) if plane.is_usable()))
         .collect();
+    let mut near_meshes: BTreeMap<usize, Vec<(u32, Sphere)>> = BTreeMap::new();
     for object in 0..geometry.len() {
         let Some(sphere) = sphere_at(object) else { continue };
         let id = (object as u32, 0);
         for &other in &neighbours[object] {
-            let other = other as usize;
-            match &geometry[other].shape {
-                Shape::Sphere(_) if other < object => {
-                    let Some(second) = sphere_at(other) else { continue };
+            match &geometry[other as usize].shape {
+                Shape::Sphere(_) if (other as usize) < object => {
+                    let Some(second) = sphere_at(other as usize) else { continue };
                     match meet(&sphere, &second) {
-                        Meet::Same => found.coincide(id, (other as u32, 0)),
+                        Meet::Same => found.coincide(id, (other, 0)),
                         Meet::Touch(tangent) => {
                             // The smaller one touches the larger one, from outside or from inside.
-                            let ids = [id, (other as u32, 0)];
-                            let ids = if sphere.radius <= second.radius { ids } else { [ids[1], ids[0]] };
+                            let ids = if sphere.radius <= second.radius { [id, (other, 0)] } else { [(other, 0), id] };
                             found.tangents.push((ids, tangent));
                         }
                         Meet::Apart => {}
                     }
                 }
-                Shape::Mesh(mesh) => {
-                    let (centre, radius) = (sphere.centre, sphere.radius * 1.001);
-                    for i in 0..mesh.triangles.len() {
-                        let [a, b, c] = mesh.corners(i);
-                        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
-                        let near = lo.cmple(centre + radius).all() && hi.cmpge(centre - radius).all();
-                        if near && mesh.is_usable(i) {
-                            touch_flat(geometry, id, &sphere, (other as u32, i as u32), found);
-                        }
-                    }
-                }
+                Shape::Mesh(_) => near_meshes.entry(other as usize).or_default().push((object as u32, sphere)),
                 _ => {}
             }
         }
         for &plane in planes.iter().filter(|&&plane| matters(object, plane)) {
             touch_flat(geometry, id, &sphere, (plane as u32, 0), found);
+        }
+    }
+    for (other, spheres) in near_meshes {
+        if let Shape::Mesh(mesh) = &geometry[other].shape {
+            touch_mesh(geometry, mesh, other as u32, spheres, found);
+        }
+    }
+}
+
+/// Contacts of spheres with the triangles of a mesh. Each triangle is held against the spheres at its height along x.
+fn touch_mesh(geometry: &[Geometry], mesh: &TriMesh, object: u32, mut spheres: Vec<(u32, Sphere)>, found: &mut Found) {
+    spheres.sort_unstable_by(|(i, a), (j, b)| a.centre.x.total_cmp(&b.centre.x).then(i.cmp(j)));
+    // A little more than the tolerance makes of it.
+    let reach = |sphere: &Sphere| sphere.radius + sphere.radius.max(sphere.centre.abs().max_element()) * 1e-5;
+    let widest = spheres.iter().map(|(_, sphere)| reach(sphere)).fold(0.0, f32::max);
+    for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
+        let [a, b, c] = mesh.corners(i);
+        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        let first = spheres.partition_point(|(_, sphere)| sphere.centre.x < lo.x - widest);
+        for (number, sphere) in spheres[first..].iter().take_while(|(_, s)| s.centre.x <= hi.x + widest) {
+            let reach = reach(sphere);
+            if lo.cmple(sphere.centre + reach).all() && hi.cmpge(sphere.centre - reach).all() {
+                touch_flat(geometry, (*number, 0), sphere, (object, i as u32), found);
+            }
         }
     }
 }
