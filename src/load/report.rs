@@ -46,6 +46,19 @@ pub struct LoadReport {
     pub dropped: BTreeMap<&'static str, u64>,
     /// What the scene leaves open and was filled in.
     pub defaults: Vec<String>,
+    /// By object: how the mesh of a dielectric encloses its medium.
+    pub hulls: BTreeMap<usize, Hull>,
+}
+
+/// How a mesh encloses a medium.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hull {
+    /// Every edge is shared by triangles of one winding, and faces point outwards.
+    Closed,
+    /// An edge is open, or two triangles at it have opposite windings.
+    Open,
+    /// It is closed, and faces point inwards.
+    InsideOut,
 }
 
 /// Collects a [`LoadReport`].
@@ -98,6 +111,11 @@ impl Reporter {
     /// Notes what was filled in.
     pub(super) fn default_used(&mut self, what: impl Into<String>) {
         self.report.defaults.push(what.into());
+    }
+
+    /// Notes how the mesh of a dielectric encloses its medium.
+    pub(super) fn hull(&mut self, object: usize, hull: Hull) {
+        self.report.hulls.insert(object, hull);
     }
 
     /// The report.

@@ -102,7 +102,9 @@ fn passed<O: Optics>(
             Interface::Dielectric { medium, rule, tint: colour } => {
                 let crossing = shading.media.cross(surface.stack[k], medium, surface.front.lane(k));
                 beyond[k] = crossing.beyond;
-                shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
+                if crossing.unmatched && surface.active >> k & 1 != 0 {
+                    shading.unmatched_exits.add(surface.hit[k].geometry);
+                }
                 if crossing.real {
                     boundaries[k] = crossing.thin_side;
                     tint.set_lane(k, colour);

@@ -98,6 +98,7 @@ mod tests {
             non_finite: 0,
             clamped: 0,
             unmatched_exits: 3,
+            unmatched_objects: vec![(0, 3)],
             streams: StreamCounts::default(),
         };
         let ledger = Ledger::of(&outcome, &film([1.0, 0.5]));

@@ -65,7 +65,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
             String::new,
         )?;
     }
-    Ok(assembly.finish())
+    assembly.finish()
 }
 
 /// What reading the parts of one scene file needs.

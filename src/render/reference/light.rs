@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
+use super::super::unmatched::UnmatchedExits;
 use super::media::{MediumStack, Meeting};
 use super::polarisation::Polarisation;
 use super::split::{Ways, at_boundary, at_pane};
@@ -85,12 +86,18 @@ fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
 
 /// The share of a light at the far end of `ray` that reaches its start, where the media are `stack`, and how often it
 /// left a medium it had never entered. The media have their indices for light of the wavelength `nm`.
-pub(super) fn let_through(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
+pub(super) fn let_through(
+    prepared: &Prepared,
+    ray: &Ray64,
+    stack: &MediumStack,
+    nm: Option<f64>,
+) -> (DVec3, UnmatchedExits) {
+    let none = UnmatchedExits::default();
     if prepared.accel.occluded(&blocking(prepared, ray)) {
-        return (DVec3::ZERO, 0);
+        return (DVec3::ZERO, none);
     }
     match prepared.scene.settings.shadows {
-        ShadowRule::Opaque => (DVec3::ONE, 0),
+        ShadowRule::Opaque => (DVec3::ONE, none),
         ShadowRule::Straight => march(prepared, ray, stack, nm),
     }
 }
@@ -116,10 +123,10 @@ fn end_of(ray: &Ray64) -> f64 {
 }
 
 /// Straight through every transmissive surface on the way.
-fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, u64) {
+fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>) -> (DVec3, UnmatchedExits) {
     let scene = prepared.scene;
     let mut stack = stack.clone();
-    let (mut share_left, mut unmatched_exits, mut reached) = (DVec3::ONE, 0, 0.0);
+    let (mut share_left, mut unmatched_exits, mut reached) = (DVec3::ONE, UnmatchedExits::default(), 0.0);
     let absorbed = |stack: &MediumStack, distance: f64| -> DVec3 {
         let absorption = scene.media[stack.top(scene) as usize].absorption.as_dvec3();
         transmittance(absorption.into(), distance).into()
@@ -129,7 +136,7 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>)
     let mut carried = (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(ray.dir));
     let crossings = surface::crossings(scene, &prepared.accel, &marched);
     if crossings.len() > MARCHED_AT_MOST {
-        return (DVec3::ZERO, 0);
+        return (DVec3::ZERO, unmatched_exits);
     }
     for crossing in crossings {
         if share_left == DVec3::ZERO {
@@ -148,7 +155,9 @@ fn march(prepared: &Prepared, ray: &Ray64, stack: &MediumStack, nm: Option<f64>)
                     let Ways { on, .. } = at_boundary(prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
                     share_left *= on.share * tint.as_dvec3();
                     carried = on.polarisation;
-                    unmatched_exits += u64::from(unmatched);
+                    if unmatched {
+                        unmatched_exits.add(crossing.geometry);
+                    }
                     stack = beyond;
                 }
             },

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::render::RayCounts;
+use crate::render::{RayCounts, UnmatchedExits};
 
 /// The largest contribution that the eight-wide renderer's accumulator holds, in radiance.
 const LARGEST: f64 = (1_u64 << 62) as f64;
@@ -21,7 +21,7 @@ pub struct Tally {
     /// Contributions beyond 2^62, clamped to it.
     pub clamped: u64,
     /// Rays that left a medium they had never entered.
-    pub unmatched_exits: u64,
+    pub unmatched_exits: UnmatchedExits,
 }
 
 impl Tally {
@@ -44,6 +44,6 @@ impl Tally {
         self.rays.merge(&o.rays);
         self.non_finite += o.non_finite;
         self.clamped += o.clamped;
-        self.unmatched_exits += o.unmatched_exits;
+        self.unmatched_exits.merge(&o.unmatched_exits);
     }
 }

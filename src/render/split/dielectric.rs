@@ -169,7 +169,9 @@ fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered
     for (k, slot) in transitions.iter_mut().enumerate() {
         if let Interface::Dielectric { medium, .. } = *shading.interface(surface, k) {
             let crossing = shading.media.cross(surface.stack[k], medium, surface.front.lane(k));
-            shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
+            if crossing.unmatched && surface.active >> k & 1 != 0 {
+                shading.unmatched_exits.add(surface.hit[k].geometry);
+            }
             *slot = Some(crossing);
         }
     }
