@@ -22,6 +22,7 @@ mod table;
 mod unmatched;
 mod verify;
 mod view;
+mod warnings;
 
 use std::process::ExitCode;
 

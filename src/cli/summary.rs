@@ -8,6 +8,7 @@ use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_na
 use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
 use super::unmatched::{Leak, Unmatched};
+use super::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
 use crate::render::{RayCounts, RayKind};
@@ -19,6 +20,7 @@ pub(super) struct Facts<'a> {
     pub job: &'a Render,
     pub scene: &'a Scene,
     pub report: &'a LoadReport,
+    pub warnings: &'a Warnings,
     pub traced: &'a Traced,
     pub clipped: Clipped,
     pub budget: Option<&'a Spent>,
@@ -51,7 +53,8 @@ pub(super) struct Summary<'a> {
     #[serde(skip)]
     unmatched: Vec<String>,
     truncated: Truncated,
-    warnings: Vec<String>,
+    #[serde(flatten)]
+    warnings: &'a Warnings,
     defaults: Vec<String>,
     /// What was chosen for a budget, and whether it was kept.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -178,7 +181,7 @@ fn walked(backend: Backend, traced: &Traced) -> Option<Walked> {
 
 impl<'a> Summary<'a> {
     pub fn of(facts: &Facts<'a>) -> Self {
-        let Facts { job, scene, report, traced, clipped, budget, seconds } = facts;
+        let Facts { job, scene, report, warnings, traced, clipped, budget, seconds } = facts;
         let (settings, outcome, shapes) = (&scene.settings, &traced.outcome, scene.shape_counts());
         let counts = &outcome.rays;
         let unmatched = Unmatched::of(outcome, scene, report, job.backend);
@@ -244,7 +247,7 @@ impl<'a> Summary<'a> {
                 clipped: *clipped,
             },
             truncated: Truncated::of(&outcome.truncated),
-            warnings: report.warnings.iter().map(ToString::to_string).collect(),
+            warnings,
             defaults: report.defaults.clone(),
             budget: *budget,
         }
@@ -304,7 +307,7 @@ impl<'a> Summary<'a> {
         self.lost(&mut lines);
         lines.extend(self.unmatched.iter().cloned());
         lines.extend(self.defaults.iter().map(|d| format!("{:<10} {d}", "default")));
-        lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
+        lines.extend(self.warnings.lines());
         if level::BUILT.ends_with("without FMA") {
             lines.push(format!("warning: built for {}: slower and less exact; {}", level::BUILT, level::CURE));
         }

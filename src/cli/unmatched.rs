@@ -3,6 +3,7 @@
 use super::backend::Backend;
 use super::table::{counted, grouped};
 use crate::load::{Hull, LoadReport};
+use crate::notices::INSIDE_OUT_CURE;
 use crate::render::Outcome;
 use crate::scene::Scene;
 
@@ -59,9 +60,8 @@ impl Unmatched {
 
 fn cause(object: usize, report: &LoadReport, backend: Backend) -> String {
     match report.hulls.get(&object) {
-        Some(Hull::InsideOut) => {
-            String::from("it is inside out; set `flip = true` in its [[mesh]], or take it away where it is set")
-        }
+        Some(Hull::InsideOut { parts, of }) if parts == of => format!("it is inside out; {INSIDE_OUT_CURE}"),
+        Some(Hull::InsideOut { .. }) => String::from("parts of it are inside out; turn their faces in the model"),
         Some(Hull::Open) => String::from("it is not closed; close it, or use a thin material"),
         Some(Hull::Closed) if backend.leaks() => {
             format!("it is closed; the back end `{}` loses rays at edges, `--backend native` does not", backend.name())
@@ -78,7 +78,7 @@ mod tests {
 
     use super::*;
     use crate::image::Film;
-    use crate::render::{RayCounts, StreamCounts};
+    use crate::render::{RayCounts, Seen, StreamCounts};
     use crate::scene::{Object, Origin};
 
     fn outcome(unmatched_objects: Vec<(u32, u64)>) -> Outcome {
@@ -91,6 +91,7 @@ mod tests {
             unmatched_exits: unmatched_objects.iter().map(|(_, n)| n).sum(),
             unmatched_objects,
             streams: StreamCounts::default(),
+            seen: Seen::default(),
         }
     }
 
@@ -102,7 +103,7 @@ mod tests {
 
     #[test]
     fn objects_are_told_worst_first_with_cause_and_cure() {
-        let hulls = BTreeMap::from([(0, Hull::Open), (1, Hull::InsideOut), (2, Hull::Closed)]);
+        let hulls = BTreeMap::from([(0, Hull::Open), (1, Hull::InsideOut { parts: 1, of: 1 }), (2, Hull::Closed)]);
         let report = LoadReport { hulls, ..LoadReport::default() };
         let told = |backend| Unmatched::of(&outcome(vec![(1, 1234), (2, 30), (0, 2)]), &scene(3), &report, backend);
         let lines = told(Backend::Native).lines();

@@ -138,31 +138,15 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Warns of closed dielectrics that are inside out.
-    fn warn_of_inside_out(&mut self) -> Result<()> {
+    /// Settles which closed dielectrics are inside out, as only the whole scene shows.
+    fn settle_hulls(&mut self) {
         let found = std::mem::take(&mut self.inside_out);
         let turned: HashSet<usize> = found.iter().map(|&(object, _)| object).collect();
         for &(object, InsideOut { parts, of }) in &found {
-            if found.len() <= MOST_COMPARED && self.is_hollow(object, &turned) {
-                continue;
+            if found.len() > MOST_COMPARED || !self.is_hollow(object, &turned) {
+                self.reporter.hull(object, Hull::InsideOut { parts, of });
             }
-            let Object { name, origin, .. } = &self.scene.objects[object];
-            let which = if parts == of {
-                format!("`{name}` is inside out")
-            } else {
-                format!("{parts} of the {of} separate parts of `{name}` are inside out")
-            };
-            let cure = if parts == of {
-                "set `flip = true` in its [[mesh]], or take it away where it is set"
-            } else {
-                "turn the faces of these parts in the model"
-            };
-            let kind =
-                format!("{which}: faces point inwards, so light leaves the medium where it should enter; {cure}");
-            self.reporter.warn(Path::new(&origin.file), origin.line as usize, &kind, String::new)?;
-            self.reporter.hull(object, Hull::InsideOut);
         }
-        Ok(())
     }
 
     /// Returns true if an object lies within another one of the same medium: it is the wall of a hollow in it, and its
@@ -187,11 +171,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// The scene and its report.
-    ///
-    /// # Errors
-    /// Warnings that only the whole scene shows, under `strict`.
-    pub(super) fn finish(mut self) -> Result<Loaded> {
-        self.warn_of_inside_out()?;
-        Ok(Loaded { scene: self.scene, report: self.reporter.finish() })
+    pub(super) fn finish(mut self) -> Loaded {
+        self.settle_hulls();
+        Loaded { scene: self.scene, report: self.reporter.finish() }
     }
 }

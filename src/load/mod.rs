@@ -20,7 +20,7 @@ mod topology;
 mod transform;
 mod winding;
 
-pub use report::{Hull, LoadReport, Warning};
+pub use report::{Hull, LoadReport, Model, Warning};
 pub use texture::picture;
 pub use transform::Transform;
 

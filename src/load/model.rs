@@ -42,7 +42,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
         zenith: Rgb::new(0.3, 0.45, 0.75),
     };
     assembly.reporter.default_used("a camera fitted to the model, a key and a fill light, and a sky");
-    assembly.finish()
+    Ok(assembly.finish())
 }
 
 /// A three-quarter view that the whole box's sphere fits into.

@@ -41,7 +41,7 @@ mod worker;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use options::{Observer, Options, Reflection};
-pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
+pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts};
 pub use pattern::FilmRay;
 pub use unmatched::UnmatchedExits;
 
@@ -137,6 +137,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         unmatched_exits: tally.unmatched_exits.total(),
         unmatched_objects: tally.unmatched_exits.worst_first(),
         streams: tally.streams,
+        seen: tally.seen,
     })
 }
 
@@ -176,6 +177,7 @@ struct Tally {
     clamped: u64,
     unmatched_exits: UnmatchedExits,
     streams: StreamCounts,
+    seen: Seen,
 }
 
 impl Tally {
@@ -186,6 +188,7 @@ impl Tally {
             clamped: worker.shading.accumulator.clamped,
             unmatched_exits: worker.shading.unmatched_exits.clone(),
             streams: worker.shading.streams,
+            seen: worker.seen(),
         }
     }
 
@@ -195,5 +198,6 @@ impl Tally {
         self.clamped += o.clamped;
         self.unmatched_exits.merge(&o.unmatched_exits);
         self.streams.merge(&o.streams);
+        self.seen.merge(&o.seen);
     }
 }

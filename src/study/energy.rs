@@ -86,7 +86,7 @@ impl Ledger {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{RayCounts, StreamCounts};
+    use crate::render::{RayCounts, Seen, StreamCounts};
 
     #[test]
     fn the_ledger_adds_up_by_hand() {
@@ -100,6 +100,7 @@ mod tests {
             unmatched_exits: 3,
             unmatched_objects: vec![(0, 3)],
             streams: StreamCounts::default(),
+            seen: Seen::default(),
         };
         let ledger = Ledger::of(&outcome, &film([1.0, 0.5]));
         assert_eq!((ledger.light, ledger.reference), (0.875, 0.75));

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{FilmRay, Observer, Options, Outcome, Reflection, StreamCounts};
+use super::{FilmRay, Observer, Options, Outcome, Reflection, Seen, StreamCounts};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
@@ -214,6 +214,11 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
         unmatched_exits: counts.unmatched_exits.total(),
         unmatched_objects: counts.unmatched_exits.worst_first(),
         streams: StreamCounts::default(),
+        seen: Seen {
+            objects: (0..prepared.scene.objects.len() as u32).map(|o| counts.met.contains(&o)).collect(),
+            missed: counts.missed,
+            lit: counts.lit,
+        },
     })
 }
 
