@@ -129,8 +129,10 @@ fn what_is_open_or_opaque_or_the_wall_of_a_hollow_is_not_accused() {
     let bottle = glass("shape = \"box\"\nsize = 2") + &wall;
     let folder = Folder::with(&[
         ("open.obj", &cube(0.0, 1.0, 5, false, 0)),
+        ("ajar.obj", &cube(0.0, 1.0, 5, true, 0)),
         ("hollow.obj", &hollow),
         ("open.toml", &glass("file = \"open.obj\"")),
+        ("ajar.toml", &glass("file = \"ajar.obj\"")),
         ("hollow.toml", &glass("file = \"hollow.obj\"")),
         (
             "mirror.toml",
@@ -141,7 +143,7 @@ fn what_is_open_or_opaque_or_the_wall_of_a_hollow_is_not_accused() {
         ("bottle.toml", &bottle),
         ("beside.toml", &bottle.replace("size = 1\n", "size = 1\ncenter = [3, 0, 0]\n")),
     ]);
-    for name in ["open.toml", "hollow.toml", "mirror.toml", "bottle.toml"] {
+    for name in ["open.toml", "ajar.toml", "hollow.toml", "mirror.toml", "bottle.toml"] {
         assert_eq!(ids(&notices_of(&folder.path(name))), [""; 0], "{name}");
     }
     let notices = notices_of(&folder.path("beside.toml"));
@@ -150,8 +152,8 @@ fn what_is_open_or_opaque_or_the_wall_of_a_hollow_is_not_accused() {
         notices[0].to_string().contains("beside.toml:") && notices[0].finding.wrong.contains("`wall`"),
         "{notices:?}"
     );
-    // An open one is named as the object of its exits, with that cause.
-    let (json, _) = rendered(&folder, "open.toml", &["--backend", "native"]);
+    // An open one, into which the camera looks, is named as the object of its exits, with that cause.
+    let (json, _) = rendered(&folder, "ajar.toml", &["--backend", "native"]);
     let worst = &json["losses"]["unmatched_objects"][0];
     assert!(worst["cause"].as_str().expect("text").contains("not closed"), "{}", json["losses"]);
 }
@@ -172,7 +174,7 @@ fn objects_of_unmatched_exits_come_worst_first() {
     // Boxes of growing size, all inside out.
     let boxes: String = (1..=7)
         .map(|i| {
-            let (size, x) = (0.2 * f64::from(i), 1.2 * f64::from(i) - 5.0);
+            let (size, x) = (0.2 * f64::from(i), 1.6 * f64::from(i) - 6.4);
             mesh(&format!("box {i}"), &format!("shape = \"box\"\nsize = {size}\ncenter = [{x}, 0, -3]\nflip = true"))
         })
         .collect();
