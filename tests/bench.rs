@@ -208,9 +208,13 @@ fn the_doctor_knows_machine_and_build() {
     let findings = json(vitrum().arg("doctor"));
     assert_eq!(
         keys(&findings),
-        ["backends", "cpu", "embree", "missing", "processors", "simd", "vitrum"],
+        ["backends", "choice", "cpu", "default_backend", "embree", "missing", "processors", "simd", "vitrum"],
         "one name for each finding"
     );
+    // The feature decides the default, and native is named as the one that takes less time.
+    assert_eq!(findings["default_backend"], if cfg!(feature = "embree") { "embree" } else { "native" });
+    let choice = findings["choice"].as_str().unwrap();
+    assert!(choice.contains("native takes less CPU time") && choice.contains("1.1 to 1.8 times"), "{choice}");
     assert!(!findings["cpu"].as_str().unwrap().is_empty() && findings["processors"].as_u64().unwrap() >= 1);
     assert_eq!(keys(&findings["simd"]), ["available", "built", "lacking", "saves_ymm", "saves_zmm"]);
     // It runs here, so it lacks nothing.
@@ -225,7 +229,8 @@ fn the_doctor_knows_machine_and_build() {
     }
     let lines =
         vitrum().arg("doctor").assert().success().stdout(contains("simd available")).get_output().stdout.clone();
-    assert!(String::from_utf8(lines).unwrap().contains(findings["cpu"].as_str().unwrap()));
+    let lines = String::from_utf8(lines).unwrap();
+    assert!(lines.contains(findings["cpu"].as_str().unwrap()) && lines.contains(choice));
 }
 
 #[test]

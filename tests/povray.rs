@@ -30,6 +30,9 @@ struct Picture {
     width: u32,
     height: u32,
     pixels: Vec<[f64; 3]>,
+    /// By channel: magnitudes of the weights of the pictures that this one is a sum of; 1 for a picture by itself. Where
+    /// each of these may differ by [`TOLERANCE`], the sum may differ by this many tolerances.
+    weight: [f64; 3],
 }
 
 fn folder() -> PathBuf {
@@ -44,7 +47,7 @@ fn povray(name: &str) -> Picture {
     assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Sixteen), "{name}");
     let level = |i: usize| f64::from(u16::from_be_bytes([bytes[2 * i], bytes[2 * i + 1]])) / 65535.0;
     let pixels = (0..bytes.len() / 6).map(|i| [level(3 * i), level(3 * i + 1), level(3 * i + 2)]).collect();
-    Picture { width: info.width, height: info.height, pixels }
+    Picture { width: info.width, height: info.height, pixels, weight: [1.0; 3] }
 }
 
 fn load_scene(name: &str) -> Scene {
@@ -58,8 +61,9 @@ fn load_scene(name: &str) -> Scene {
     }
 }
 
-fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, |worst, d| if d <= worst { worst } else { d })
+/// Largest difference of a channel, in units of what it may differ by: the tolerance times its weight.
+fn difference(a: [f64; 3], b: [f64; 3], weight: [f64; 3]) -> f64 {
+    (0..3).map(|i| (a[i] - b[i]).abs() / weight[i]).fold(0.0, |worst, d| if d <= worst { worst } else { d })
 }
 
 fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, prepared: &Prepared<'_>) {
@@ -70,7 +74,7 @@ fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, pre
         for x in 0..film.width {
             let theirs = expected.pixels[(y * film.width + x) as usize];
             let ours = film.at(x, y).map(f64::from);
-            let d = difference(ours, theirs);
+            let d = difference(ours, theirs, expected.weight);
             sum += d;
             if d <= TOLERANCE {
                 worst = worst.max(d);
@@ -104,7 +108,9 @@ fn in_white_light(name: &str) -> Picture {
     for (k, weight) in bands.weight.iter().enumerate() {
         let of_wave = povray(&format!("{name}/{}", k + 1));
         assert!(of_wave.pixels.iter().flatten().all(|&v| v < 1.0), "{name}/{}: the picture is clipped", k + 1);
-        let sum = white.get_or_insert_with(|| Picture { pixels: vec![[0.0; 3]; of_wave.pixels.len()], ..of_wave });
+        let nothing = || Picture { pixels: vec![[0.0; 3]; of_wave.pixels.len()], weight: [0.0; 3], ..of_wave };
+        let sum = white.get_or_insert_with(nothing);
+        (0..3).for_each(|c| sum.weight[c] += f64::from(weight[c].abs()));
         for (sum, one) in sum.pixels.iter_mut().zip(&of_wave.pixels) {
             (0..3).for_each(|c| sum[c] += one[c] * f64::from(weight[c]));
         }

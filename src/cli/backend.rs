@@ -70,6 +70,21 @@ impl Backend {
     }
 }
 
+impl Backend {
+    /// Returns true if it may lose rays at the edges of a closed mesh.
+    #[cfg(feature = "embree")]
+    pub fn leaks(self) -> bool {
+        matches!(self, Self::Embree(_))
+    }
+
+    /// Returns true if it may lose rays at the edges of a closed mesh.
+    #[cfg(not(feature = "embree"))]
+    #[expect(clippy::unused_self, reason = "the twin of the one with Embree")]
+    pub fn leaks(self) -> bool {
+        false
+    }
+}
+
 /// A picture and what it took.
 pub(super) struct Traced {
     pub outcome: Outcome,

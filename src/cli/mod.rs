@@ -19,6 +19,7 @@ mod progress;
 mod render;
 mod summary;
 mod table;
+mod unmatched;
 mod verify;
 mod view;
 mod warnings;

@@ -8,6 +8,7 @@ use std::time::Instant;
 use super::backend::{self, Traced};
 use super::options::{Exposure, Render, refuse_input};
 use super::summary::{Facts, Seconds, Summary};
+use super::unmatched::Unmatched;
 use super::warnings::{self, Warnings};
 use super::{Verdict, budget, interrupt, metadata, output, progress};
 use crate::image::{self, Encoding, Film};
@@ -52,7 +53,7 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     let found = notices::of_picture(&facts(&job, &scene, &report), &traced.outcome);
     if job.strict {
         warnings::refuse(&found)?;
-        refuse_losses(&job.scene, &traced)?;
+        refuse_losses(&job.scene, &traced, &Unmatched::of(&traced.outcome, &scene, &report, job.backend))?;
     }
     let warnings = Warnings::new(&report, [notices, found].concat());
 
@@ -101,18 +102,22 @@ pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Resul
     })
 }
 
+/// A loss of which the worst object is named.
+const NEVER_ENTERED: &str = "rays left a medium that they never entered";
+
 /// Under `--strict`: what the picture is short of for reasons other than its settings is an error.
-fn refuse_losses(scene: &Path, traced: &Traced) -> Result<()> {
+fn refuse_losses(scene: &Path, traced: &Traced, unmatched: &Unmatched) -> Result<()> {
     let outcome = &traced.outcome;
     let dropped = traced.build.map_or(0, |b| b.dropped as u64);
     for (count, what) in [
         (dropped, "primitives cannot be hit (not finite, too large or without area) and were dropped"),
         (outcome.non_finite, "contributions to the picture are not finite and were left out"),
         (outcome.clamped, "contributions to the picture are too large and were clamped"),
-        (outcome.unmatched_exits, "rays left a medium that they never entered (open or inside-out surfaces)"),
+        (unmatched.exits, NEVER_ENTERED),
     ] {
         if count > 0 {
-            return Err(Error::file(scene, format!("{count} {what}; --strict allows none")));
+            let worst = unmatched.worst().filter(|_| what == NEVER_ENTERED).map_or(String::new(), |w| format!(", {w}"));
+            return Err(Error::file(scene, format!("{count} {what}{worst}; --strict allows none")));
         }
     }
     Ok(())
@@ -151,6 +156,7 @@ mod tests {
                 non_finite,
                 clamped,
                 unmatched_exits,
+                unmatched_objects: Vec::new(),
                 streams: StreamCounts::default(),
                 seen: Seen::default(),
                 touching: TouchingFound::default(),
@@ -161,8 +167,10 @@ mod tests {
             library: None,
             lanes: None,
         };
-        let refused =
-            |traced: &Traced| refuse_losses(Path::new("a.toml"), traced).map_err(|e| (e.exit_code(), e.to_string()));
+        let refused = |traced: &Traced| {
+            let unmatched = Unmatched { exits: traced.outcome.unmatched_exits, objects: Vec::new() };
+            refuse_losses(Path::new("a.toml"), traced, &unmatched).map_err(|e| (e.exit_code(), e.to_string()))
+        };
         assert_eq!(refused(&traced(0, 0, 0, 0)), Ok(()));
         for (lossy, word) in [
             (traced(7, 0, 0, 0), "7 primitives"),

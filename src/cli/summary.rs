@@ -7,6 +7,7 @@ use super::budget::Spent;
 use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
+use super::unmatched::{Leak, Unmatched};
 use super::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
@@ -50,6 +51,8 @@ pub(super) struct Summary<'a> {
     seconds: Seconds,
     rays: Rays,
     losses: Losses,
+    #[serde(skip)]
+    unmatched: Vec<String>,
     truncated: Truncated,
     #[serde(flatten)]
     warnings: &'a Warnings,
@@ -152,6 +155,8 @@ struct Losses {
     non_finite: u64,
     clamped: u64,
     unmatched_exits: u64,
+    /// Objects of these exits, the worst first.
+    unmatched_objects: Vec<Leak>,
     /// Samples the file format could not hold.
     clipped: Clipped,
 }
@@ -189,7 +194,9 @@ impl<'a> Summary<'a> {
         let Facts { job, scene, report, warnings, traced, clipped, budget, seconds } = facts;
         let (settings, outcome, shapes) = (&scene.settings, &traced.outcome, scene.shape_counts());
         let counts = &outcome.rays;
+        let unmatched = Unmatched::of(outcome, scene, report, job.backend);
         Self {
+            unmatched: unmatched.lines(),
             version: env!("CARGO_PKG_VERSION"),
             scene: job.scene.display().to_string(),
             output: job.output.name().display().to_string(),
@@ -245,7 +252,8 @@ impl<'a> Summary<'a> {
                 primitives: traced.build.map(|b| b.dropped),
                 non_finite: outcome.non_finite,
                 clamped: outcome.clamped,
-                unmatched_exits: outcome.unmatched_exits,
+                unmatched_exits: unmatched.exits,
+                unmatched_objects: unmatched.objects,
                 clipped: *clipped,
             },
             truncated: Truncated::of(&outcome.truncated),
@@ -312,6 +320,7 @@ impl<'a> Summary<'a> {
         line("rays", format!("{} at {:.2} Mrays/s", grouped(self.rays.total), self.rays.mrays_per_s));
         lines.push(rays(&self.rays.counts, "           "));
         self.lost(&mut lines);
+        lines.extend(self.unmatched.iter().cloned());
         lines.extend(self.defaults.iter().map(|d| format!("{:<10} {d}", "default")));
         lines.extend(self.warnings.lines());
         if level::BUILT.ends_with("without FMA") {
@@ -341,7 +350,6 @@ impl<'a> Summary<'a> {
             ("dropped", primitives, "primitive", "not finite, too large or without area"),
             ("dropped", l.non_finite, "contribution", "not finite"),
             ("clamped", l.clamped, "contribution", "too large to be summed"),
-            ("unmatched", l.unmatched_exits, "exit", "from a medium never entered: open or inside-out surfaces"),
             ("clipped", clipped.above, "sample", "brighter than the file can hold"),
             ("clipped", clipped.below, "sample", "below zero"),
             ("clipped", clipped.non_finite, "sample", "not finite"),

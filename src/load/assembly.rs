@@ -1,15 +1,19 @@
 //! A scene while it is being put together.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use super::report::Reporter;
+use super::report::{Hull, Reporter};
 use super::source::Root;
 use super::topology::{Edges, weld};
+use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded, texture};
 use crate::geometry::{Geometry, GeometryMask, Shape};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
 use crate::{Error, Result};
+
+/// Most objects that are inside out by themselves of which each is held against all others.
+const MOST_COMPARED: usize = 1000;
 
 /// A scene in the making, with what its parts share.
 pub(super) struct Assembly<'a> {
@@ -21,6 +25,8 @@ pub(super) struct Assembly<'a> {
     pictures: HashMap<PathBuf, u32>,
     picture_bytes: u64,
     triangles: u64,
+    /// Objects whose dielectric is inside out by itself.
+    inside_out: Vec<(usize, InsideOut)>,
 }
 
 impl<'a> Assembly<'a> {
@@ -37,6 +43,7 @@ impl<'a> Assembly<'a> {
             pictures: HashMap::new(),
             picture_bytes: 0,
             triangles: 0,
+            inside_out: Vec::new(),
         })
     }
 
@@ -101,15 +108,21 @@ impl<'a> Assembly<'a> {
         let dielectric = matches!(surface.interface, Interface::Dielectric { .. });
         let pictured = matches!(surface.diffuse, Colour::Image { .. });
         let file = PathBuf::from(&origin.file);
-        if let (Shape::Mesh(mesh), true) = (&shape, dielectric)
-            && let Some((edges, triangle)) = Edges::new(&mesh.triangles, &weld(&mesh.positions)).open()
-        {
-            let line = origin.triangle_lines.get(triangle as usize).copied().unwrap_or(origin.line);
-            let kind = format!(
-                "`{name}` is transparent but not closed ({edges} open edges): light that enters it may never leave; \
-                 close it, or use a thin material"
-            );
-            self.reporter.warn(&file, line as usize, &kind, String::new)?;
+        if let (Shape::Mesh(mesh), true) = (&shape, dielectric) {
+            let object = self.scene.objects.len();
+            let weld = weld(&mesh.positions);
+            if let Some((edges, triangle)) = Edges::new(&mesh.triangles, &weld).open() {
+                let line = origin.triangle_lines.get(triangle as usize).copied().unwrap_or(origin.line);
+                let kind = format!(
+                    "`{name}` is transparent but not closed ({edges} open edges): light that enters it may never \
+                     leave; close it, or use a thin material"
+                );
+                self.reporter.warn(&file, line as usize, &kind, String::new)?;
+                self.reporter.hull(object, Hull::Open);
+            } else {
+                self.reporter.hull(object, Hull::Closed);
+                self.inside_out.extend(inside_out(mesh, &weld).map(|found| (object, found)));
+            }
         }
         let mapped = match &shape {
             Shape::Mesh(mesh) => !mesh.uvs.is_empty(),
@@ -125,8 +138,41 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
+    /// Settles which closed dielectrics are inside out, as only the whole scene shows.
+    fn settle_hulls(&mut self) {
+        let found = std::mem::take(&mut self.inside_out);
+        let turned: HashSet<usize> = found.iter().map(|&(object, _)| object).collect();
+        for &(object, InsideOut { parts, of }) in &found {
+            if found.len() > MOST_COMPARED || !self.is_hollow(object, &turned) {
+                self.reporter.hull(object, Hull::InsideOut { parts, of });
+            }
+        }
+    }
+
+    /// Returns true if an object lies within another one of the same medium: it is the wall of a hollow in it, and its
+    /// faces rightly point inwards. Objects of the list `turned` do not count as the other one.
+    fn is_hollow(&self, object: usize, turned: &HashSet<usize>) -> bool {
+        let medium = |o: usize| match self.scene.materials[self.scene.objects[o].material as usize].interface {
+            Interface::Dielectric { medium, .. } => Some(&self.scene.media[medium as usize]),
+            _ => None,
+        };
+        let bounds = |o: usize| match &self.scene.geometry[o].shape {
+            Shape::Mesh(mesh) => Some(mesh.bounds()),
+            Shape::Sphere(sphere) => Some(sphere.bounds()),
+            Shape::Plane(_) => None,
+        };
+        let (Some(inner), Some(hollow)) = (medium(object), bounds(object)) else { return false };
+        let same = |m: &Medium| (m.ior, m.dispersion, m.absorption) == (inner.ior, inner.dispersion, inner.absorption);
+        (0..self.scene.objects.len()).any(|o| {
+            !turned.contains(&o)
+                && medium(o).is_some_and(same)
+                && bounds(o).is_some_and(|outer| outer.contains(&hollow))
+        })
+    }
+
     /// The scene and its report.
-    pub(super) fn finish(self) -> Loaded {
+    pub(super) fn finish(mut self) -> Loaded {
+        self.settle_hulls();
         Loaded { scene: self.scene, report: self.reporter.finish() }
     }
 }

@@ -152,33 +152,29 @@ pub const TRANSPARENT: &[Transparent] = &[
     clear(&["immersion oil"], 1.515, Dispersion::None, "ISO 8036, n_e 1.518"),
 ];
 
-/// Metals, from measured spectra weighted to linear sRGB (the table that Mitsuba and Tungsten use, after Palik 1985
-/// and the SOPRA data base).
+/// Metals, from the measured spectra of Palik, "Handbook of Optical Constants of Solids" (gold, silver, copper and
+/// aluminium 1985, chromium 1991). The reflectance of white light (D65) was integrated over the spectrum against the
+/// CIE 1931 matching functions, per channel of linear sRGB. `eta` and `k` have that reflectance at normal incidence, and
+/// are nearest to it over all other angles: within 0.005. Gold's red lies outside of what the screen's primaries can
+/// mix (1.021); it is the highest reflectance that `eta` = 0.001 allows.
+/// `tests/optics/metals_by_spectrum.rs` has the spectra and the integration.
 pub const METALS: &[Metal] = &[
-    Metal {
-        names: &["silver", "ag"],
-        eta: Vec3::new(0.155_265, 0.116_723, 0.138_381),
-        k: Vec3::new(4.828_343, 3.122_246, 2.147_05),
-    },
-    Metal {
-        names: &["gold", "au"],
-        eta: Vec3::new(0.143_119, 0.374_957, 1.442_479),
-        k: Vec3::new(3.983_16, 2.385_721, 1.603_215),
-    },
+    Metal { names: &["silver", "ag"], eta: Vec3::new(0.129_3, 0.125_2, 0.151_3), k: Vec3::new(4.105_8, 3.35, 2.412_3) },
+    Metal { names: &["gold", "au"], eta: Vec3::new(0.001, 0.412_3, 1.564_8), k: Vec3::new(3.391_7, 2.348_5, 1.723_8) },
     Metal {
         names: &["copper", "cu"],
-        eta: Vec3::new(0.200_438, 0.924_033, 1.102_212),
-        k: Vec3::new(3.912_949, 2.452_848, 2.142_188),
+        eta: Vec3::new(0.172_6, 0.972_4, 1.210_4),
+        k: Vec3::new(3.638_9, 2.624_7, 2.364_9),
     },
     Metal {
         names: &["aluminium", "aluminum", "al"],
-        eta: Vec3::new(1.657_46, 0.880_369, 0.521_229),
-        k: Vec3::new(9.223_869, 6.269_523, 4.837_001),
+        eta: Vec3::new(1.426_1, 0.929_8, 0.590_7),
+        k: Vec3::new(7.727, 6.602_3, 5.360_3),
     },
     Metal {
         names: &["chromium", "chrome", "cr"],
-        eta: Vec3::new(4.369_683, 2.916_702, 1.654_701),
-        k: Vec3::new(5.206_434, 4.231_365, 3.754_947),
+        eta: Vec3::new(3.687, 3.08, 1.867_8),
+        k: Vec3::new(4.289_5, 4.452_6, 4.131_3),
     },
 ];
 

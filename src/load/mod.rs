@@ -18,8 +18,9 @@ mod suggest;
 mod texture;
 mod topology;
 mod transform;
+mod winding;
 
-pub use report::{LoadReport, Model, Warning};
+pub use report::{Hull, LoadReport, Model, Warning};
 pub use texture::picture;
 pub use transform::Transform;
 

@@ -50,6 +50,8 @@ pub struct LoadReport {
     pub models: Vec<Model>,
     /// Materials of the scene file that nothing uses: name and line.
     pub unused_materials: Vec<(String, u32)>,
+    /// By object: how the mesh of a dielectric encloses its medium.
+    pub hulls: BTreeMap<usize, Hull>,
 }
 
 /// Faces of a model file.
@@ -61,6 +63,22 @@ pub struct Model {
     pub faces: u64,
     /// Faces among them that were left out, and triangles of faces that were left out in part.
     pub dropped: u64,
+}
+
+/// How a mesh encloses a medium.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hull {
+    /// Every edge is shared by triangles of one winding, and faces point outwards.
+    Closed,
+    /// An edge is open, or two triangles at it have opposite windings.
+    Open,
+    /// It is closed, and some faces point inwards.
+    InsideOut {
+        /// Number of separate parts whose faces point inwards.
+        parts: usize,
+        /// Number of all separate parts, those within another one left out.
+        of: usize,
+    },
 }
 
 /// Collects a [`LoadReport`].
@@ -129,6 +147,11 @@ impl Reporter {
     /// Notes what was filled in.
     pub(super) fn default_used(&mut self, what: impl Into<String>) {
         self.report.defaults.push(what.into());
+    }
+
+    /// Notes how the mesh of a dielectric encloses its medium.
+    pub(super) fn hull(&mut self, object: usize, hull: Hull) {
+        self.report.hulls.insert(object, hull);
     }
 
     /// The report.

@@ -6,12 +6,14 @@
 mod decal;
 mod dropped;
 mod facts;
+mod inside_out;
 mod near;
 mod notice;
 mod survey;
 mod unused;
 
 pub use facts::Facts;
+pub use inside_out::CURE as INSIDE_OUT_CURE;
 pub use notice::{Finding, Notice, Place};
 pub use survey::survey;
 
@@ -36,7 +38,7 @@ pub enum Find {
 }
 
 /// All checks, in the order in which their findings are reported.
-pub const CHECKS: &[Check] = &[unused::CHECK, dropped::CHECK, decal::CHECK, near::CHECK];
+pub const CHECKS: &[Check] = &[unused::CHECK, dropped::CHECK, decal::CHECK, near::CHECK, inside_out::CHECK];
 
 /// Findings of the checks that need no picture.
 #[must_use]

@@ -12,6 +12,7 @@ mod disperse;
 mod fresnel;
 mod mueller;
 mod normal;
+mod observer;
 pub mod oracle;
 mod planar;
 mod polarised;
@@ -26,6 +27,7 @@ pub use disperse::{LINE_C, LINE_D, LINE_F, abbe_number, cauchy_from_abbe};
 pub use fresnel::{AtNormal, Exact, FresnelFormula, FresnelModel, Schlick, thin_reflectance};
 pub use mueller::{Diattenuation, Mueller, PlaneOfIncidence, any_across, made_across};
 pub use normal::{below_surface, consistent_normal};
+pub use observer::{colour_matching, daylight, linear_srgb, white_at};
 pub use planar::PlanarReflection;
 pub use polarised::{Polarised, polarised, polarised_as_printed};
 pub use reflect::reflect;
@@ -33,4 +35,4 @@ pub use refraction::{
     Bec, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable, StraightThrough,
     Trigonometric,
 };
-pub use spectrum::{Bands, FEWEST_BANDS, SEPARATION, Spectrum, VISIBLE, colour_matching, linear_srgb};
+pub use spectrum::{Bands, FEWEST_BANDS, SEPARATION, Spectrum, VISIBLE};

@@ -1,9 +1,12 @@
 //! Wavelengths that stand for white light, and the colour of each.
 //!
-//! White light is divided into bands of equal width over the visible range; of each band one wavelength is traced. Its
-//! weight is what that wavelength adds to red, green and blue, scaled so that all bands together are exactly white:
-//! light whose bands arrive together is what it would be undivided. The weights of one channel sum to 1 and may be
-//! below zero, since spectral colours lie outside the triangle of the screen's primaries.
+//! White light has the spectrum of the illuminant D65 ([`super::white_at`]). It is divided into bands of equal width over
+//! the visible range; of each band one wavelength is traced. Its weight is what that wavelength adds to red, green and
+//! blue, scaled so that all bands together are exactly white: light whose bands arrive together is what it would be
+//! undivided. The weights of one channel sum to 1 and may be below zero, since spectral colours lie outside the triangle
+//! of the screen's primaries.
+
+use super::observer::white_at;
 
 /// First and last wavelength of white light, in nanometres. Beyond them every matching function is below 1 % of its
 /// peak.
@@ -24,32 +27,6 @@ const MOST_SETS: u32 = 64;
 /// Weights are multiples of this, so that sums of them are exact in `f32` while they stay below 4.
 const QUANTUM: f64 = 1.0 / 4_194_304.0;
 
-/// The CIE 1931 colour matching functions of the 2-degree observer at a wavelength in nanometres, by the
-/// multi-lobe fit of Wyman, Sloan & Shirley 2013 ("Simple analytic approximations to the CIE XYZ color matching
-/// functions", JCGT 2(2), equation 4): within 0.03 of the tables everywhere.
-#[must_use]
-pub fn colour_matching(nm: f64) -> [f64; 3] {
-    let lobe = |height: f64, peak: f64, left: f64, right: f64| {
-        let s = (nm - peak) / if nm < peak { left } else { right };
-        height * (-0.5 * s * s).exp()
-    };
-    [
-        lobe(1.056, 599.8, 37.9, 31.0) + lobe(0.362, 442.0, 16.0, 26.7) + lobe(-0.065, 501.1, 20.4, 26.2),
-        lobe(0.821, 568.8, 46.9, 40.5) + lobe(0.286, 530.9, 16.3, 31.1),
-        lobe(1.217, 437.0, 11.8, 36.0) + lobe(0.681, 459.0, 26.0, 13.8),
-    ]
-}
-
-/// Linear sRGB of CIE XYZ (IEC 61966-2-1, with the digits of the exact primaries).
-#[must_use]
-pub fn linear_srgb([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [
-        3.240_454_2 * x - 1.537_138_5 * y - 0.498_531_4 * z,
-        -0.969_266_0 * x + 1.876_010_8 * y + 0.041_556_0 * z,
-        0.055_643_4 * x - 0.204_025_9 * y + 1.057_225_2 * z,
-    ]
-}
-
 /// One set of wavelengths that together are white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
@@ -66,7 +43,7 @@ impl Bands {
         let count = count.max(FEWEST_BANDS);
         let width = (VISIBLE[1] - VISIBLE[0]) / f64::from(count);
         let nm: Vec<f64> = (0..count).map(|k| VISIBLE[0] + (f64::from(k) + offset) * width).collect();
-        let colours: Vec<[f64; 3]> = nm.iter().map(|&nm| linear_srgb(colour_matching(nm))).collect();
+        let colours: Vec<[f64; 3]> = nm.iter().map(|&nm| white_at(nm)).collect();
         let mut weight = vec![[0.0; 3]; nm.len()];
         for channel in 0..3 {
             let sum: f64 = colours.iter().map(|c| c[channel]).sum();

@@ -37,6 +37,7 @@ mod surface;
 mod through;
 mod tile;
 mod touch;
+mod unmatched;
 mod worker;
 
 pub use ceiling::Ceiling;
@@ -44,6 +45,7 @@ pub use class::{SharedShading, shared_shading};
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
+pub use unmatched::UnmatchedExits;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -138,7 +140,8 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         rays: tally.rays,
         non_finite: tally.non_finite,
         clamped: tally.clamped,
-        unmatched_exits: tally.unmatched_exits,
+        unmatched_exits: tally.unmatched_exits.total(),
+        unmatched_objects: tally.unmatched_exits.worst_first(),
         streams: tally.streams,
         touching,
         seen: tally.seen,
@@ -198,7 +201,7 @@ struct Tally {
     rays: RayCounts,
     non_finite: u64,
     clamped: u64,
-    unmatched_exits: u64,
+    unmatched_exits: UnmatchedExits,
     streams: StreamCounts,
     seen: Seen,
 }
@@ -209,7 +212,7 @@ impl Tally {
             rays: worker.shading.counts.clone(),
             non_finite: worker.shading.accumulator.non_finite,
             clamped: worker.shading.accumulator.clamped,
-            unmatched_exits: worker.shading.unmatched_exits,
+            unmatched_exits: worker.shading.unmatched_exits.clone(),
             streams: worker.shading.streams,
             seen: worker.seen(),
         }
@@ -219,7 +222,7 @@ impl Tally {
         self.rays.merge(&o.rays);
         self.non_finite += o.non_finite;
         self.clamped += o.clamped;
-        self.unmatched_exits += o.unmatched_exits;
+        self.unmatched_exits.merge(&o.unmatched_exits);
         self.streams.merge(&o.streams);
         self.seen.merge(&o.seen);
     }

@@ -18,8 +18,10 @@ pub struct Outcome {
     pub non_finite: u64,
     /// Contributions too large for the accumulator (beyond 2^62); clamped to it.
     pub clamped: u64,
-    /// Rays that left a medium they had never entered: open or inside-out surfaces.
+    /// Rays that left a medium they had never entered: open or inside-out surfaces, or hits that a back end lost.
     pub unmatched_exits: u64,
+    /// Objects that they left it through, each with its exits, the worst first.
+    pub unmatched_objects: Vec<(u32, u64)>,
     /// Streams that each stage worked on; none by the `f64` renderer, which has no stages.
     pub streams: StreamCounts,
     /// Objects that rays met, and light that reached them.

@@ -15,6 +15,7 @@ use super::stages::Stages;
 use super::surface::{HitRef, Surface8};
 use super::tile::Tile;
 use super::touch::{Arrivals, Touching};
+use super::unmatched::UnmatchedExits;
 use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Contacts;
@@ -72,7 +73,7 @@ pub struct Shading<'a> {
     held: Vec<Held>,
     pub accumulator: Accumulator,
     pub counts: RayCounts,
-    pub unmatched_exits: u64,
+    pub unmatched_exits: UnmatchedExits,
     pub streams: StreamCounts,
     /// Whether light ends where it would be reflected totally.
     pub total_is_lost: bool,
@@ -120,7 +121,7 @@ impl<'a> Shading<'a> {
             cutoff: scene.settings.cutoff,
             accumulator: Accumulator::default(),
             counts: RayCounts::default(),
-            unmatched_exits: 0,
+            unmatched_exits: UnmatchedExits::default(),
             streams: StreamCounts::default(),
             total_is_lost: options.effects.without.has(Effect::TotalInternalReflection),
             queues: Vec::new(),

@@ -114,7 +114,9 @@ fn passed<O: Optics, const TOUCHING: bool>(
                     None => shading.media.cross(surface.stack[k], body, surface.front.lane(k)),
                 };
                 beyond[k] = crossing.beyond;
-                shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
+                if crossing.unmatched && surface.active >> k & 1 != 0 {
+                    shading.unmatched_exits.add(surface.hit[k].geometry);
+                }
                 if crossing.real {
                     boundaries[k] = crossing.thin_side;
                     tint.set_lane(k, colour);

@@ -98,6 +98,7 @@ mod tests {
             non_finite: 0,
             clamped: 0,
             unmatched_exits: 3,
+            unmatched_objects: vec![(0, 3)],
             streams: StreamCounts::default(),
             seen: Seen::default(),
             touching: TouchingFound::default(),

@@ -3,4 +3,5 @@
 mod support;
 
 mod documented;
+mod inside_out;
 mod losses;

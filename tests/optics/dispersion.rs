@@ -3,6 +3,7 @@
 use vitrum::load::catalogue;
 use vitrum::optics::{
     Bands, FEWEST_BANDS, LINE_C, LINE_D, LINE_F, Spectrum, VISIBLE, abbe_number, cauchy_from_abbe, colour_matching,
+    daylight, linear_srgb, white_at,
 };
 use vitrum::scene::Dispersion;
 
@@ -72,17 +73,61 @@ fn cauchy_coefficients_of_an_abbe_number_have_that_number_and_index_again() {
 
 #[test]
 fn the_matching_functions_are_those_of_the_standard_observer() {
-    // CIE 015:2004, table T.4.
+    // CIE 018:2019, the table in steps of 1 nm: rows that lie between those of the table in steps of 5 nm, and two of it.
     for (nm, table) in [
-        (400.0, [0.0143, 0.0004, 0.0679]),
-        (450.0, [0.3362, 0.0380, 1.7721]),
-        (500.0, [0.0049, 0.3230, 0.2720]),
-        (550.0, [0.4334, 0.9950, 0.0087]),
-        (600.0, [1.0622, 0.6310, 0.0008]),
-        (650.0, [0.2835, 0.1070, 0.0]),
+        (418.0, [0.108_406, 0.003_118, 0.519_695]),
+        (443.0, [0.350_013, 0.026_959, 1.776_264]),
+        (467.0, [0.229_851, 0.080_266, 1.439_522]),
+        (500.0, [0.004_9, 0.323_0, 0.272_0]),
+        (502.0, [0.002_945, 0.354_686, 0.246_484]),
+        (533.0, [0.201_169, 0.895_494, 0.034_458]),
+        (557.0, [0.544_692, 0.999_305, 0.004_900]),
+        (592.0, [1.040_986, 0.732_422, 0.001_049]),
+        (600.0, [1.062_2, 0.631_0, 0.000_8]),
+        (611.0, [0.991_368, 0.490_469, 0.000_307]),
+        (648.0, [0.313_019, 0.118_779, 0.000_003]),
     ] {
         for (got, want) in colour_matching(nm).into_iter().zip(table) {
-            assert!((got - want).abs() < 0.03, "{nm} nm: {got} instead of {want}");
+            assert!((got - want).abs() < 0.002_5, "{nm} nm: {got} instead of {want}");
+        }
+    }
+    for outside in [-1.0, 0.0, 379.9, 780.1, 1e9, f64::NAN] {
+        assert_eq!((colour_matching(outside), daylight(outside)), ([0.0; 3], 0.0), "{outside} nm");
+    }
+}
+
+#[test]
+fn the_illuminant_has_the_white_point_of_srgb_and_equal_energy_is_equal_in_x_y_and_z() {
+    let sum = |power: fn(f64) -> f64| {
+        let mut xyz = [0.0; 3];
+        for nm in (380..=780).map(f64::from) {
+            colour_matching(nm).into_iter().enumerate().for_each(|(i, value)| xyz[i] += power(nm) * value);
+        }
+        xyz
+    };
+    // CIE 15:2004: X, Y and Z of D65 are 95.04, 100 and 108.88.
+    let [x, y, z] = sum(daylight);
+    assert!((x / y - 0.950_4).abs() < 2e-4 && (z / y - 1.088_8).abs() < 3e-4, "{} {}", x / y, z / y);
+    for channel in linear_srgb([x / y, 1.0, z / y]) {
+        assert!((channel - 1.0).abs() < 5e-4, "{channel}");
+    }
+    let [x, y, z] = sum(|_| 1.0);
+    assert!((x / y - 1.0).abs() < 2e-4 && (z / y - 1.0).abs() < 3e-4, "{} {}", x / y, z / y);
+}
+
+#[test]
+fn bands_have_the_colours_of_their_wavelengths_in_daylight() {
+    // Many bands need next to no scaling to be white together.
+    let bands = Bands::new(64, 0.5);
+    let width = (VISIBLE[1] - VISIBLE[0]) / 64.0;
+    let mut luminance = 0.0;
+    for nm in (380..=780).map(f64::from) {
+        luminance += colour_matching(nm)[1] * daylight(nm);
+    }
+    for (nm, weight) in bands.nm.iter().zip(&bands.weight) {
+        for (got, want) in weight.iter().zip(white_at(*nm)) {
+            let want = want * width / luminance;
+            assert!((f64::from(*got) - want).abs() < 2e-4 + 2e-3 * want.abs(), "{nm} nm: {got} instead of {want}");
         }
     }
 }

@@ -11,6 +11,7 @@ mod fresnel;
 mod fresnel_accuracy;
 mod lanes;
 mod metals;
+mod metals_by_spectrum;
 mod mueller;
 mod normals;
 mod oracle;

@@ -234,7 +234,7 @@ impl<I: Intersector> Worker<'_, I> {
         };
         let shading = &mut self.shading;
         let accumulator = take(&mut shading.accumulator);
-        let kept = (shading.unmatched_exits, shading.max_depth, shading.cutoff);
+        let kept = (shading.unmatched_exits.clone(), shading.max_depth, shading.cutoff);
         shading.accumulator.reset(1);
         (shading.max_depth, shading.cutoff) = (usize::MAX, 0.0);
         split(shading, &mut surfaces, depth);

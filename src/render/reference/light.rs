@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
 use super::super::place::{Layer, Place, Through, governing};
+use super::super::unmatched::UnmatchedExits;
 use super::media::{MediumStack, Meeting};
 use super::polarisation::Polarisation;
 use super::split::{Ways, at_boundary, at_pane};
@@ -94,13 +95,14 @@ pub(super) fn let_through(
     through: Option<Through>,
     stack: &MediumStack,
     nm: Option<f64>,
-) -> (DVec3, u64) {
+) -> (DVec3, UnmatchedExits) {
+    let none = UnmatchedExits::default();
     if prepared.accel.occluded(&blocking(prepared, ray)) {
-        return (DVec3::ZERO, 0);
+        return (DVec3::ZERO, none);
     }
     match prepared.scene.settings.shadows {
-        ShadowRule::Opaque if through.is_some() => (DVec3::ZERO, 0),
-        ShadowRule::Opaque => (DVec3::ONE, 0),
+        ShadowRule::Opaque if through.is_some() => (DVec3::ZERO, none),
+        ShadowRule::Opaque => (DVec3::ONE, none),
         ShadowRule::Straight => march(prepared, ray, through, stack, nm),
     }
 }
@@ -132,15 +134,23 @@ fn march(
     through: Option<Through>,
     stack: &MediumStack,
     nm: Option<f64>,
-) -> (DVec3, u64) {
+) -> (DVec3, UnmatchedExits) {
     let (scene, contacts) = (prepared.scene, &prepared.contacts);
     // What the surface makes of the light depends on none of its polarisation, but what lets it through does.
     let carried = (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(ray.dir));
-    let mut light = Marched { prepared, ray, nm, stack: stack.clone(), share: DVec3::ONE, unmatched: 0, carried };
+    let mut light = Marched {
+        prepared,
+        ray,
+        nm,
+        stack: stack.clone(),
+        share: DVec3::ONE,
+        unmatched: UnmatchedExits::default(),
+        carried,
+    };
     let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, t_max: end_of(ray), ..*ray };
     let crossings = surface::crossings(scene, &prepared.accel, &marched);
     if crossings.len() > MARCHED_AT_MOST {
-        return (DVec3::ZERO, 0);
+        return (DVec3::ZERO, UnmatchedExits::default());
     }
     let mut reached = 0.0;
     // Faces that were crossed together with one before them, and the parameter up to which they are these.
@@ -184,7 +194,7 @@ struct Marched<'a> {
     /// What is left of it.
     share: DVec3,
     /// Media left that had never been entered.
-    unmatched: u64,
+    unmatched: UnmatchedExits,
     carried: Option<Polarisation>,
 }
 
@@ -233,7 +243,9 @@ impl Marched<'_> {
                 let Ways { on, .. } = at_boundary(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
                 self.share *= on.share * tint.as_dvec3();
                 self.carried = on.polarisation;
-                self.unmatched += u64::from(unmatched);
+                if unmatched {
+                    self.unmatched.add(object);
+                }
                 self.stack = beyond;
             }
         }

@@ -239,7 +239,8 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
         rays: counts.rays,
         non_finite: counts.non_finite,
         clamped: counts.clamped,
-        unmatched_exits: counts.unmatched_exits,
+        unmatched_exits: counts.unmatched_exits.total(),
+        unmatched_objects: counts.unmatched_exits.worst_first(),
         streams: StreamCounts::default(),
         touching: prepared.touching,
         seen: Seen {

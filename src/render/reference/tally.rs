@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use crate::render::RayCounts;
+use crate::render::{RayCounts, UnmatchedExits};
 
 /// The largest contribution that the eight-wide renderer's accumulator holds, in radiance.
 const LARGEST: f64 = (1_u64 << 62) as f64;
@@ -23,7 +23,7 @@ pub struct Tally {
     /// Contributions beyond 2^62, clamped to it.
     pub clamped: u64,
     /// Rays that left a medium they had never entered.
-    pub unmatched_exits: u64,
+    pub unmatched_exits: UnmatchedExits,
     /// Objects that rays met, shadow rays apart.
     pub met: BTreeSet<u32>,
     /// Camera rays that met nothing.
@@ -52,7 +52,7 @@ impl Tally {
         self.rays.merge(&o.rays);
         self.non_finite += o.non_finite;
         self.clamped += o.clamped;
-        self.unmatched_exits += o.unmatched_exits;
+        self.unmatched_exits.merge(&o.unmatched_exits);
         self.met.extend(&o.met);
         self.missed += o.missed;
         self.lit |= o.lit;

@@ -183,6 +183,9 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             self.pass(&ray, &surface, beyond, onward);
             return;
         }
+        if let Some(Meeting::Boundary { unmatched: true, .. }) = meeting {
+            self.tally.unmatched_exits.add(object);
+        }
         let geometric = if front { surface.outward } else { -surface.outward };
         let shading = shading_normal(ray.dir, geometric, &surface);
         let cos_i = -ray.dir.dot(shading);
@@ -295,8 +298,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             }
             Interface::Dielectric { rule, tint, .. } => {
                 self.base(at, one);
-                let Some(Meeting::Boundary { from, to, beyond, unmatched }) = meeting else { return };
-                self.tally.unmatched_exits += u64::from(unmatched);
+                let Some(Meeting::Boundary { from, to, beyond, .. }) = meeting else { return };
                 let tint = tint.as_dvec3();
                 if self.disperse(at, &Dispersing { from, to, beyond: beyond.clone(), rule, tint }) {
                     return;
@@ -565,7 +567,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let origin = at.surface.start(arriving.towards);
         let ray = Ray64 { t_max: arriving.distance, ..Ray64::new(origin, arriving.towards) };
         let (share, unmatched_exits) = let_through(self.prepared, &ray, at.returning, &at.ray.stack, at.ray.nm);
-        self.tally.unmatched_exits += unmatched_exits;
+        self.tally.unmatched_exits.merge(&unmatched_exits);
         share
     }
 }

@@ -180,7 +180,9 @@ fn enter<const TOUCHING: bool>(shading: &mut Shading, surface: &mut Surface8, de
             body.map(|body| shading.media.cross(surface.stack[k], body, surface.front.lane(k)))
         };
         if let Some(crossing) = crossing {
-            shading.unmatched_exits += u64::from(crossing.unmatched && surface.active >> k & 1 != 0);
+            if crossing.unmatched && surface.active >> k & 1 != 0 {
+                shading.unmatched_exits.add(surface.hit[k].geometry);
+            }
             *slot = Some(crossing);
         }
     }
