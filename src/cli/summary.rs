@@ -45,6 +45,10 @@ pub(super) struct Summary<'a> {
     threads: usize,
     tile: u32,
     size: Size,
+    /// World coordinates of the place that was taken for (0, 0, 0).
+    origin: [f64; 3],
+    /// What a length of 1 is in the world.
+    unit: f64,
     /// None where the back end keeps its tree to itself.
     tree: Option<Tree>,
     touching: Touching,
@@ -235,6 +239,8 @@ impl<'a> Summary<'a> {
                 lights: scene.lights.len(),
                 textures: scene.textures.len(),
             },
+            origin: scene.origin.to_array(),
+            unit: scene.unit(),
             tree: traced.build.map(|b| Tree { nodes: b.nodes, leaves: b.leaves, depth: b.depth, bytes: b.bytes }),
             seconds: *seconds,
             rays: Rays {
@@ -296,6 +302,13 @@ impl<'a> Summary<'a> {
             counted(s.lights as u64, "light"),
         ];
         line("scene", format!("{}: {}", self.scene, sizes.join(", ")));
+        if self.origin != [0.0; 3] {
+            let [x, y, z] = self.origin;
+            line("origin", format!("({x}, {y}, {z}), taken off all coordinates before they are rounded to 32 bits"));
+        }
+        if self.unit != 1.0 {
+            line("unit", format!("{:e} of the model's, for what 32 bits can reckon with", self.unit));
+        }
         if let Some(t) = &self.tree {
             let (nodes, leaves) = (counted(t.nodes as u64, "node"), grouped(t.leaves as u64));
             line("tree", format!("{nodes}, {leaves} leaves, depth {}, {}", t.depth, bytes(t.bytes as u64)));

@@ -3,9 +3,16 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
+
+use super::draft::Draft;
+use super::extent::Extent;
+use super::origin::{self, Frame, Loss};
 use super::report::{Hull, Reporter};
+use super::smooth::smooth;
 use super::source::Root;
 use super::topology::{Edges, weld};
+use super::transform::flip;
 use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded, texture};
 use crate::geometry::{Geometry, GeometryMask, Shape};
@@ -27,6 +34,23 @@ pub(super) struct Assembly<'a> {
     triangles: u64,
     /// Objects whose dielectric is inside out by itself.
     inside_out: Vec<(usize, InsideOut)>,
+    /// Shapes in world coordinates.
+    pending: Vec<Pending>,
+    /// Materials whose colour is a checker, with its corner in world coordinates and the edge of its cubes.
+    checkers: Vec<(usize, DVec3, f64)>,
+}
+
+/// A shape that waits for the scene's origin.
+pub(super) struct Pending {
+    pub name: String,
+    pub draft: Draft,
+    /// Place in `Scene::materials`.
+    pub material: u32,
+    pub origin: Origin,
+    /// Bend in degrees up to which faces without normals are shaded smoothly.
+    pub smooth: Option<f64>,
+    /// Whether it is to be turned inside out.
+    pub flip: bool,
 }
 
 impl<'a> Assembly<'a> {
@@ -44,6 +68,8 @@ impl<'a> Assembly<'a> {
             picture_bytes: 0,
             triangles: 0,
             inside_out: Vec::new(),
+            pending: Vec::new(),
+            checkers: Vec::new(),
         })
     }
 
@@ -98,11 +124,88 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Adds a shape, and warns of what its material asks of it in vain.
-    pub(super) fn add(&mut self, name: String, shape: Shape, material: u32, origin: Origin) -> Result<()> {
-        if self.scene.objects.len() >= self.options.limits.objects {
+    /// Notes that the material to be added next has a checker with this corner and edge.
+    pub(super) fn add_checker(&mut self, corner: DVec3, size: f64) {
+        self.checkers.push((self.scene.materials.len(), corner, size));
+    }
+
+    /// Adds a shape; it becomes part of the scene when that is settled.
+    pub(super) fn add(&mut self, shape: Pending) -> Result<()> {
+        if self.pending.len() >= self.options.limits.objects {
             return Err(Error::Limit(format!("the scene has more than {} shapes", self.options.limits.objects)));
         }
+        self.pending.push(shape);
+        Ok(())
+    }
+
+    /// Chooses the scene's origin, and puts all shapes where they are as seen from there. `sight` is eye and target of the
+    /// camera, which decide where all shapes are planes; without it the scene is a model by itself, whose unit is free.
+    pub(super) fn settle(&mut self, sight: Option<[DVec3; 2]>) -> Result<Frame> {
+        let shapes = std::mem::take(&mut self.pending);
+        let mut extents: Vec<Extent> = shapes.iter().map(|s| s.draft.extent()).collect();
+        if let (Some([eye, target]), true) = (sight, extents.iter().all(Extent::is_empty)) {
+            let feet = shapes.iter().filter_map(|s| match &s.draft {
+                Draft::Flat(plane) => Some(plane.foot(eye)),
+                Draft::Mesh(_) | Draft::Ball(_) => None,
+            });
+            extents.push(Extent::around(feet.chain([eye, target])));
+        }
+        let unit_exponent = if sight.is_none() { origin::unit_exponent(&extents) } else { 0 };
+        let bulks: Vec<Extent> = shapes.iter().map(|s| s.draft.bulk()).collect();
+        let frame = Frame { origin: origin::choose(&extents, &bulks), unit_exponent };
+        (self.scene.origin, self.scene.unit_exponent) = (frame.origin, unit_exponent);
+        self.warn_of_losses(&shapes, &bulks, frame)?;
+        for &(material, corner, size) in &self.checkers {
+            if let Some(Colour::Checker { offset, .. }) = self.scene.materials.get_mut(material).map(|m| &mut m.diffuse)
+            {
+                // A model by itself has none, so that the unit is the world's.
+                *offset = frame.checker_corner(corner, size).as_vec3();
+            }
+        }
+        for Pending { name, draft, material, origin, smooth: crease, flip: flipped } in shapes {
+            let mut shape = draft.settle(frame);
+            if let Shape::Mesh(mesh) = &mut shape {
+                if let (Some(crease), true) = (crease, mesh.normals.is_empty()) {
+                    smooth(mesh, crease);
+                }
+                if flipped {
+                    flip(mesh);
+                }
+            }
+            self.place(name, shape, material, origin)?;
+        }
+        Ok(frame)
+    }
+
+    /// Warns of shapes that lose more of their size to rounding than can be borne, the worst first.
+    fn warn_of_losses(&mut self, shapes: &[Pending], bulks: &[Extent], frame: Frame) -> Result<()> {
+        let losses = shapes.iter().zip(bulks).filter_map(|(s, e)| Some((s, Loss::of(e, frame)?)));
+        let mut large: Vec<(&Pending, Loss)> = losses.filter(|(_, loss)| loss.is_large()).collect();
+        large.sort_by(|a, b| b.1.share().total_cmp(&a.1.share()));
+        for (shape, loss) in large {
+            let (file, line) = (PathBuf::from(&shape.origin.file), shape.origin.line as usize);
+            let kind = if loss.as_read {
+                "a shape lies too far from 0 for 64-bit coordinates; move it nearer"
+            } else {
+                "shapes lie too far apart for 32-bit coordinates; make scenes of their own of them"
+            };
+            self.reporter.warn(&file, line, kind, || {
+                format!(
+                    ": `{}`, {} across, lies {} from the scene's origin, where coordinates are rounded by up to {} \
+                     ({} % of its size)",
+                    shape.name,
+                    few_digits(loss.size),
+                    few_digits(loss.reach),
+                    few_digits(loss.rounding),
+                    few_digits(loss.share() * 100.0)
+                )
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Puts a shape into the scene, and warns of what its material asks of it in vain.
+    fn place(&mut self, name: String, shape: Shape, material: u32, origin: Origin) -> Result<()> {
         let surface = &self.scene.materials[material as usize];
         let mask = if surface.is_transmissive() { GeometryMask::TRANSMISSIVE } else { GeometryMask::OPAQUE };
         let dielectric = matches!(surface.interface, Interface::Dielectric { .. });
@@ -174,5 +277,16 @@ impl<'a> Assembly<'a> {
     pub(super) fn finish(mut self) -> Loaded {
         self.settle_hulls();
         Loaded { scene: self.scene, report: self.reporter.finish() }
+    }
+}
+
+/// A number to three digits.
+fn few_digits(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) {
+        let places = (2 - x.abs().max(1e-3).log10().floor() as i32).max(0) as usize;
+        let text = format!("{x:.places$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{x:.2e}")
     }
 }

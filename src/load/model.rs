@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
+use super::extent::WIDEST;
 use super::transform::Transform;
 use super::{LoadOptions, Loaded, obj};
 use crate::geometry::{Aabb, Shape};
@@ -26,9 +27,11 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
         smooth: None,
         flip: false,
         transform: Transform::IDENTITY,
+        limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
     obj::load(path, &request, &mut assembly)?;
+    assembly.settle(None)?;
     let bounds = assembly.scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
         Shape::Mesh(mesh) => b.union(mesh.bounds()),
         Shape::Sphere(sphere) => b.union(sphere.bounds()),
@@ -45,13 +48,15 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     Ok(assembly.finish())
 }
 
-/// A three-quarter view that the whole box's sphere fits into.
+/// A three-quarter view that the whole box's sphere fits into, whatever its size.
 fn fitted(bounds: &Aabb) -> Camera {
     let (lo, hi) = (bounds.lo.as_dvec3(), bounds.hi.as_dvec3());
     let centre = (lo + hi) * 0.5;
-    let size = centre.abs().max_element();
-    // A model that is a point as far as f32 goes still gets a view.
-    let radius = ((hi - lo).length() * 0.5).max(size * 1e-3).max(1e-6);
+    let radius = (hi - lo).length() * 0.5;
+    if !(radius > 0.0 && radius.is_finite()) {
+        // Nothing that can be seen.
+        return Camera::default();
+    }
     let distance = 1.05 * radius / (f64::from(VFOV).to_radians() * 0.5).sin();
     Camera {
         eye: (centre + TOWARDS_CAMERA.normalize() * distance).as_vec3(),

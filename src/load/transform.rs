@@ -2,7 +2,9 @@
 
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
-use crate::geometry::{COORDINATE_LIMIT, Plane, Sphere, TriMesh};
+use super::draft::{Ball, Flat, MeshDraft, rounded};
+use super::extent::FAR;
+use crate::geometry::{COORDINATE_LIMIT, Plane, TriMesh};
 
 /// Column lengths of a transform lie within 1 over this and this.
 const SCALE_LIMIT: f64 = 1e15;
@@ -94,22 +96,22 @@ impl Transform {
     ///
     /// # Errors
     /// In words, where a corner that could be hit ends up beyond [`COORDINATE_LIMIT`].
-    pub fn mesh(&self, mesh: &mut TriMesh) -> Result<(), String> {
+    pub(super) fn mesh(&self, draft: &mut MeshDraft) -> Result<(), String> {
         if *self == Self::IDENTITY {
             return Ok(());
         }
-        for p in &mut mesh.positions {
+        for p in &mut draft.corners {
             let usable = within_limit(*p);
-            *p = self.point(p.as_dvec3()).as_vec3();
+            *p = self.point(*p);
             if usable && !within_limit(*p) {
-                return Err(format!("moves a corner to {p}, beyond {COORDINATE_LIMIT:e}"));
+                return Err(format!("moves a corner to {}, beyond {COORDINATE_LIMIT:e}", p.as_vec3()));
             }
         }
-        for n in &mut mesh.normals {
+        for n in &mut draft.mesh.normals {
             *n = self.normal(n.as_dvec3()).as_vec3();
         }
         if self.mirrors() {
-            swap_winding(mesh);
+            swap_winding(&mut draft.mesh);
         }
         Ok(())
     }
@@ -118,7 +120,7 @@ impl Transform {
     ///
     /// # Errors
     /// In words, where it would not stay a sphere, or its coordinates leave the range of numbers.
-    pub fn sphere(&self, sphere: &Sphere) -> Result<Sphere, String> {
+    pub(super) fn ball(&self, ball: &Ball) -> Result<Ball, String> {
         let linear = DMat3::from_mat4(self.matrix);
         let gram = linear.transpose() * linear;
         let squared = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
@@ -128,30 +130,37 @@ impl Transform {
                 "does not leave a sphere a sphere; give it `tessellation = 64` to make it a mesh, or scale all axes alike",
             ));
         }
-        let centre = self.point(sphere.centre.as_dvec3()).as_vec3();
-        let radius = (f64::from(sphere.radius) * squared.sqrt()) as f32;
-        if !(within_limit(centre.abs() + radius) && radius > 0.0) {
+        let centre = self.point(ball.centre);
+        let radius = ball.radius * squared.sqrt();
+        if !(within_limit(centre.abs() + radius) && radius as f32 > 0.0) {
+            let (centre, radius) = (centre.as_vec3(), radius as f32);
             return Err(format!("makes the sphere's centre {centre} and its radius {radius:e}"));
         }
-        Ok(Sphere { centre, radius })
+        Ok(Ball { centre, radius })
     }
 
-    /// Moves a plane.
+    /// Puts a plane where it belongs.
     ///
     /// # Errors
     /// In words, where its point leaves the range of numbers.
-    pub fn plane(&self, plane: &Plane) -> Result<Plane, String> {
-        let point = self.point(plane.point.as_dvec3()).as_vec3();
-        if !within_limit(point) {
-            return Err(format!("moves the plane's point to {point}"));
+    pub(super) fn plane(&self, point: DVec3, normal: DVec3) -> Result<Flat, String> {
+        let moved = self.point(point);
+        if !within_limit(moved) {
+            return Err(format!("moves the plane's point to {}", moved.as_vec3()));
         }
-        Ok(Plane { point, normal: self.normal(plane.normal.as_dvec3()).as_vec3() })
+        // A plane that is moved back from afar keeps its digits.
+        let back = point.abs().max_element() > FAR * moved.abs().max_element();
+        let near = Plane {
+            point: self.point(rounded(point, back)).as_vec3(),
+            normal: self.normal(normal.as_vec3().as_dvec3()).as_vec3(),
+        };
+        Ok(Flat { point: moved, normal: self.normal(normal), near })
     }
 }
 
 /// Whether all coordinates are finite and none is beyond [`COORDINATE_LIMIT`].
-pub(super) fn within_limit(p: Vec3) -> bool {
-    p.abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all()
+pub(super) fn within_limit(p: DVec3) -> bool {
+    p.as_vec3().abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all()
 }
 
 /// Turns a mesh inside out: triangles the other way round, normals reversed.
@@ -212,6 +221,7 @@ pub(super) fn facing(normal: DVec3, scale: f64, centre: DVec3) -> Result<Transfo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load::origin::Frame;
 
     #[test]
     fn rotations_go_x_then_y_then_z_and_quarter_turns_are_exact() {
@@ -253,10 +263,27 @@ mod tests {
 
     #[test]
     fn a_sphere_survives_mirrors_and_turns_but_no_squeeze() {
-        let ball = Sphere { centre: Vec3::X, radius: 2.0 };
+        let ball = Ball { centre: DVec3::X, radius: 2.0 };
         let mirror = Transform::from_parts(DVec3::new(-3.0, 3.0, 3.0), DVec3::splat(33.0), DVec3::ZERO).unwrap();
-        assert!((mirror.sphere(&ball).unwrap().radius - 6.0).abs() < 1e-5);
+        assert!((mirror.ball(&ball).unwrap().radius - 6.0).abs() < 1e-12);
         let squeeze = Transform::from_parts(DVec3::new(1.0, 1.001, 1.0), DVec3::ZERO, DVec3::ZERO).unwrap();
-        assert!(squeeze.sphere(&ball).unwrap_err().contains("tessellation"));
+        assert!(squeeze.ball(&ball).unwrap_err().contains("tessellation"));
+    }
+
+    #[test]
+    fn a_far_plane_is_held_next_to_the_origin() {
+        let normal = DVec3::new(0.6, 0.8, 0.0);
+        let far = DVec3::new(4e6, 3.1, 5e6);
+        // Along the plane by 1e6 from there, and 0.25 off it.
+        let origin = far + DVec3::new(8e5, -6e5, 0.0) - normal * 0.25;
+        let plane = Transform::IDENTITY.plane(far, normal).unwrap().settle(Frame::at(origin));
+        assert!((plane.point.as_dvec3() - normal * 0.25).length() < 1e-8, "{}", plane.point);
+    }
+
+    #[test]
+    fn a_plane_that_is_moved_back_from_afar_keeps_its_digits() {
+        let back = Transform::from_parts(DVec3::ONE, DVec3::ZERO, DVec3::new(0.0, -5411234.3, 0.0)).unwrap();
+        let plane = back.plane(DVec3::new(0.0, 5411234.25, 0.0), DVec3::Y).unwrap().settle(Frame::at(DVec3::ZERO));
+        assert!((f64::from(plane.point.y) + 0.05).abs() < 1e-8, "{}", plane.point);
     }
 }

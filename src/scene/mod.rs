@@ -18,6 +18,8 @@ pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Ma
 pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
 
+use glam::DVec3;
+
 use crate::geometry::{Geometry, Shape};
 
 /// Linear red, green and blue; radiance or a factor as its place says.
@@ -46,6 +48,12 @@ pub struct Scene {
     pub camera: Camera,
     /// How the picture is taken.
     pub settings: Settings,
+    /// World coordinates of the place that counts as (0, 0, 0) in all of the above, in scene units: 0 unless the scene
+    /// lies far from the world's own.
+    pub origin: DVec3,
+    /// A length of 1 in all of the above is 2 to this power in the world: 0 unless a model by itself is too small or too large
+    /// for `f32` to reckon with.
+    pub unit_exponent: i32,
 }
 
 /// How many primitives of each kind a scene holds.
@@ -60,6 +68,24 @@ pub struct ShapeCounts {
 }
 
 impl Scene {
+    /// World coordinates of a place in the scene: what reports tell.
+    #[must_use]
+    pub fn world(&self, place: DVec3) -> DVec3 {
+        self.origin + place * self.unit()
+    }
+
+    /// What a length of 1 in the scene is in the world.
+    #[must_use]
+    pub fn unit(&self) -> f64 {
+        f64::from(self.unit_exponent).exp2()
+    }
+
+    /// Whether its coordinates are those of the world.
+    #[must_use]
+    pub fn is_in_world_coordinates(&self) -> bool {
+        self.origin == DVec3::ZERO && self.unit_exponent == 0
+    }
+
     /// How many primitives of each kind there are, hittable or not.
     #[must_use]
     pub fn shape_counts(&self) -> ShapeCounts {

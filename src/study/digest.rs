@@ -44,8 +44,16 @@ fn scene(scene: &Scene, hasher: &mut DefaultHasher) {
     }
     // Plain data of a few lines each.
     let plain = format!(
-        "{:?} {:?} {:?} {:?} {:?} {:?} {:?}",
-        scene.materials, scene.media, scene.lights, scene.environment, scene.ambient, scene.camera, scene.settings
+        "{:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {}",
+        scene.materials,
+        scene.media,
+        scene.lights,
+        scene.environment,
+        scene.ambient,
+        scene.camera,
+        scene.settings,
+        scene.origin,
+        scene.unit_exponent
     );
     plain.hash(hasher);
 }

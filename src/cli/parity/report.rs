@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use glam::Vec3;
+
 use super::contenders::Contenders;
 use super::pixels::{Pixels, TOLERANCE, Worst};
 use crate::accel::reference::{Cause, Fault};
@@ -118,8 +120,9 @@ struct Example {
     query: Query,
     contender: &'static str,
     fault: &'static str,
-    origin: [f32; 3],
-    dir: [f32; 3],
+    /// In world coordinates, as `dir`.
+    origin: [f64; 3],
+    dir: [f64; 3],
     t_min: f32,
     t_max: f32,
     claim: Option<Met>,
@@ -144,7 +147,7 @@ impl Report {
             for (&contender, both) in names.iter().zip(records) {
                 for (query, record) in both.each() {
                     rows.push(Row::of(set.name, query, contender, record));
-                    examples.extend(record.wrong.iter().map(|w| Example::of(set.name, query, contender, w)));
+                    examples.extend(record.wrong.iter().map(|w| Example::of(scene, set.name, query, contender, w)));
                 }
             }
         }
@@ -345,8 +348,18 @@ impl Row {
     }
 }
 
+/// World coordinates of a place, of no more digits than `f32` has where they are the scene's own.
+fn world(scene: &Scene, place: Vec3) -> [f64; 3] {
+    if scene.is_in_world_coordinates() { digits(place) } else { scene.world(place.as_dvec3()).to_array() }
+}
+
+/// Numbers of as many digits as tell an `f32` from its neighbours.
+fn digits(v: Vec3) -> [f64; 3] {
+    v.to_array().map(|x| x.to_string().parse().unwrap_or(f64::from(x)))
+}
+
 impl Example {
-    fn of(rays: &'static str, query: Query, contender: &'static str, w: &Wrong) -> Self {
+    fn of(scene: &Scene, rays: &'static str, query: Query, contender: &'static str, w: &Wrong) -> Self {
         let met = |hit: bool, t: f64, geometry: u32, primitive: u32| hit.then_some(Met { t, geometry, primitive });
         let (claim, truth) = (&w.claim, &w.truth);
         Self {
@@ -354,8 +367,8 @@ impl Example {
             query,
             contender,
             fault: w.fault.map_or("beyond_end", fault_name),
-            origin: w.ray.origin.to_array(),
-            dir: w.ray.dir.to_array(),
+            origin: world(scene, w.ray.origin),
+            dir: digits(w.ray.dir).map(|x| x * scene.unit()),
             t_min: w.ray.t_min,
             t_max: w.ray.t_max,
             claim: met(claim.is_hit(), f64::from(claim.t), claim.geometry, claim.primitive),

@@ -106,12 +106,12 @@ fn side(findings: &Findings, event: &Event) -> Side {
     Side {
         kind: event.kind.name(),
         depth: event.depth,
-        origin: event.origin.to_array(),
+        origin: scene.world(event.origin).to_array(),
         direction: event.dir.to_array(),
         media: event.media.iter().map(|&m| scene.media[m as usize].name.clone()).collect(),
         meets: text::met(scene, event),
         object: event.object().map(object),
-        point: point.map(|p| p.to_array()),
+        point: point.map(|p| scene.world(p).to_array()),
         indices: event.split.and_then(|s| s.indices),
         total_reflection: event.split.is_some_and(|s| s.total),
         shares: event

@@ -59,7 +59,8 @@ pub(super) fn of(findings: &Findings, row: &Row, totals: &[Vec<(DVec3, DVec3)>; 
     }
     let narrow = side(row.narrow, &findings.narrow.tree, &totals[0]);
     let wide = side(row.wide, &findings.wide.tree, &totals[1]);
-    let (a, b) = (narrow.map(numbers), wide.map(numbers));
+    let unit = findings.scene.unit();
+    let (a, b) = (narrow.map(|side| numbers(side, unit)), wide.map(|side| numbers(side, unit)));
     let value = |side: &Option<Numbers>, name: &str| {
         side.as_ref().and_then(|n| n.iter().find(|(other, _)| other == name)).map(|&(_, x)| x)
     };
@@ -105,13 +106,13 @@ fn greys(all: Vec<Quantity>) -> Vec<Quantity> {
     joined
 }
 
-/// What one renderer says of a ray.
-fn numbers((event, (brings, cut)): (&Event, (DVec3, DVec3))) -> Numbers {
+/// What one renderer says of a ray; a length of 1 is one of `unit` in the world.
+fn numbers((event, (brings, cut)): (&Event, (DVec3, DVec3)), unit: f64) -> Numbers {
     let mut all = Numbers::new();
     let degrees = |cos: f64| cos.clamp(-1.0, 1.0).acos().to_degrees();
     colour(&mut all, "weight", event.weight);
     if event.t.is_finite() {
-        all.push((String::from("t"), event.t));
+        all.push((String::from("t"), event.t * unit));
     }
     if event.arrived != event.weight {
         // What the medium took on the way.

@@ -169,9 +169,16 @@ fn told(findings: &Findings, row: &Row, indent: &str) -> Vec<String> {
         _ => lines.push(format!("{indent}  {}", meeting(event(findings, row)))),
     }
     if let Some(point) = place(event(findings, row)) {
-        let apart = narrow.and_then(place).filter(|_| wide.is_some()).map(|p| p.distance(point));
+        let apart =
+            narrow.and_then(place).filter(|_| wide.is_some()).map(|p| p.distance(point) * findings.scene.unit());
         let apart = apart.map_or(String::new(), |d| format!(", {d:.1e} apart"));
-        lines.push(format!("{indent}  at ({:.6}, {:.6}, {:.6}){apart}", point.x, point.y, point.z));
+        let at = findings.scene.world(point);
+        let [x, y, z] = if findings.scene.unit_exponent == 0 {
+            at.to_array().map(|x| format!("{x:.6}"))
+        } else {
+            at.to_array().map(|x| format!("{x:.6e}"))
+        };
+        lines.push(format!("{indent}  at ({x}, {y}, {z}){apart}"));
     }
     lines
 }

@@ -1,7 +1,12 @@
 //! `[camera]` and `[render]`.
 
+use glam::{DVec3, Vec3};
+
+use super::Names;
 use super::table::{Table, Value};
 use crate::load::LoadOptions;
+use crate::load::assembly::Assembly;
+use crate::load::origin::Frame;
 use crate::optics::FEWEST_BANDS;
 use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
@@ -15,11 +20,25 @@ const MOST_WAVELENGTHS: u32 = 64;
 /// How near to parallel `up` and the view may be: the sine of the angle between them.
 const LEAST_SINE: f64 = 1e-4;
 
-/// Reads `[camera]`; `medium` finds the medium of a material's name.
-pub(super) fn camera(table: &Table<'_>, medium: impl FnOnce(&Value<'_>) -> Result<u32>) -> Result<Camera> {
+/// Eye and target in world coordinates.
+pub(super) fn line_of_sight(table: Option<&Table<'_>>) -> Result<[DVec3; 2]> {
     let default = Camera::default();
-    let eye = table.or("eye", default.eye, Value::point)?;
-    let target = table.or("target", default.target, Value::point)?;
+    let (eye, target) = (default.eye.as_dvec3(), default.target.as_dvec3());
+    let Some(table) = table else { return Ok([eye, target]) };
+    Ok([table.or("eye", eye, Value::place)?, table.or("target", target, Value::place)?])
+}
+
+/// Reads `[camera]`; places become those of `frame`.
+pub(super) fn camera(
+    table: Option<&Table<'_>>,
+    frame: Frame,
+    names: &Names,
+    assembly: &mut Assembly<'_>,
+) -> Result<Camera> {
+    let sight = line_of_sight(table)?;
+    let [eye, target] = sight.map(|p| frame.local(p).as_vec3());
+    let default = Camera { eye, target, ..Camera::default() };
+    let Some(table) = table else { return Ok(default) };
     let up = table.or("up", default.up, |v| v.direction().map(|d| d.as_vec3()))?;
     let orthographic = table.or("projection", false, |v| v.choice(&[("pinhole", false), ("orthographic", true)]))?;
     let projection = if orthographic {
@@ -30,24 +49,33 @@ pub(super) fn camera(table: &Table<'_>, medium: impl FnOnce(&Value<'_>) -> Resul
             vfov: table.or("fov", 40.0, |v| v.number_where("above 0 and below 180 degrees", fits))? as f32,
         }
     };
-    let camera = Camera { eye, target, up, projection, medium: table.opt("medium", medium)? };
+    let medium = table.opt("medium", |v| names.medium(v, assembly))?;
     table.finish()?;
 
-    let at = |key: &'static str, message: String| match table.get(key) {
-        Some(value) => value.error(message),
-        None => table.error(message),
-    };
     let view = target.as_dvec3() - eye.as_dvec3();
     if view.length() <= f64::from(f32::EPSILON) * f64::from(eye.abs().max_element()) {
-        return Err(at("target", format!("the camera's eye and target are the same point, {eye}")));
+        let message = format!("the camera's eye and target are the same point, {}", sight[0]);
+        return Err(table.get("target").map_or_else(|| table.error(&message), |v| v.error(&message)));
     }
-    if view.normalize().cross(up.as_dvec3()).length() < LEAST_SINE {
-        return Err(at(
-            "up",
-            format!("the camera's up, {up}, is parallel to its view, {}; choose another", view.normalize().as_vec3()),
-        ));
+    let view = view.normalize();
+    let mut camera = Camera { eye, target, up, projection, medium };
+    if view.cross(up.as_dvec3()).length() < LEAST_SINE {
+        camera.up = across(view);
+        let span = table.get("up").or_else(|| table.get("target")).map_or(table.span.clone(), |v| v.span());
+        let kind = format!(
+            "the camera's up, {up}, is along its view, {}: {} is up instead; give another `up`",
+            view.as_vec3(),
+            camera.up
+        );
+        assembly.reporter.warn(table.source.file, table.source.line(span.start), &kind, String::new)?;
     }
     Ok(camera)
+}
+
+/// What is up where the view is along the `up` that was asked for: +y, or, where the view is within 45 degrees of the y axis,
+/// -z, so that a map seen from above has x to the right.
+fn across(view: DVec3) -> Vec3 {
+    if view.y.abs() > std::f64::consts::FRAC_1_SQRT_2 { Vec3::NEG_Z } else { Vec3::Y }
 }
 
 /// Reads `[render]`.

@@ -1,9 +1,10 @@
 //! `[[light]]`.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::table::{Table, Value};
 use crate::Result;
+use crate::load::origin::Frame;
 use crate::load::transform::sin_cos_degrees;
 use crate::scene::{Falloff, Light, LightKind, Spread};
 
@@ -16,8 +17,8 @@ enum Kind {
     Rectangle,
 }
 
-/// Reads the `i`th light.
-pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
+/// Reads the `i`th light; places become those of `frame`.
+pub(super) fn light(table: &Table<'_>, i: usize, frame: Frame) -> Result<Light> {
     let name = table.opt("name", |v| v.text().map(str::to_owned))?.unwrap_or_else(|| format!("light {}", i + 1));
     let kinds = [
         ("point", Kind::Point),
@@ -26,11 +27,12 @@ pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
         ("sphere", Kind::Sphere),
         ("rectangle", Kind::Rectangle),
     ];
+    let position = || table.need("position")?.place().map(|p| frame.local(p));
     let kind = match table.need("type")?.choice(&kinds)? {
-        Kind::Point => LightKind::Point { position: table.need("position")?.point()? },
+        Kind::Point => LightKind::Point { position: position()?.as_vec3() },
         Kind::Spot => {
-            let position = table.need("position")?.point()?;
-            let direction = direction(table, position)?.as_vec3();
+            let position = position()?;
+            let direction = direction(table, position, frame)?.as_vec3();
             let half = |key, default: f64| {
                 table.or(key, default, |v| v.number_where("from 0 to 90 degrees", |x| (0.0..=90.0).contains(&x)))
             };
@@ -41,14 +43,15 @@ pub(super) fn light(table: &Table<'_>, i: usize) -> Result<Light> {
                 );
             }
             let cos = |degrees: f64| sin_cos_degrees(degrees).1 as f32;
-            LightKind::Spot { position, direction, cos_inner: cos(inner), cos_outer: cos(outer) }
+            LightKind::Spot { position: position.as_vec3(), direction, cos_inner: cos(inner), cos_outer: cos(outer) }
         }
-        Kind::Directional => LightKind::Directional { direction: direction(table, Vec3::ZERO)?.as_vec3() },
-        Kind::Sphere => LightKind::Sphere {
-            position: table.need("position")?.point()?,
-            radius: table.need("radius")?.positive()? as f32,
-        },
-        Kind::Rectangle => rectangle(table)?,
+        Kind::Directional => {
+            LightKind::Directional { direction: direction(table, frame.local(DVec3::ZERO), frame)?.as_vec3() }
+        }
+        Kind::Sphere => {
+            LightKind::Sphere { position: position()?.as_vec3(), radius: table.need("radius")?.positive()? as f32 }
+        }
+        Kind::Rectangle => rectangle(table, position()?, frame)?,
     };
     let light = Light {
         name,
@@ -70,8 +73,7 @@ const LEAST_SINE: f64 = 1e-3;
 const LEAST_LIFT: f64 = 1e-3;
 
 /// A rectangle: its middle and its two edges, and, where the order of these does not say it, the side that shines.
-fn rectangle(table: &Table<'_>) -> Result<LightKind> {
-    let position = table.need("position")?.point()?;
+fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKind> {
     let given = table.need("edges")?;
     let list = given.list()?;
     let [first, second] = list.as_slice() else {
@@ -88,7 +90,7 @@ fn rectangle(table: &Table<'_>) -> Result<LightKind> {
     let spread =
         table.or("spread", Spread::Cosine, |v| v.choice(&[("cosine", Spread::Cosine), ("even", Spread::Even)]))?;
     if let Some(aim) = table.get("direction").or_else(|| table.get("target")) {
-        let lift = direction(table, position)?.dot(normal.normalize());
+        let lift = direction(table, position, frame)?.dot(normal.normalize());
         if lift.abs() < LEAST_LIFT {
             return Err(aim.error("the rectangle is told to shine along its own plane; turn its edges"));
         }
@@ -96,20 +98,21 @@ fn rectangle(table: &Table<'_>) -> Result<LightKind> {
             edges.swap(0, 1);
         }
     }
-    let corner = position.as_dvec3() - (edges[0] + edges[1]) * 0.5;
+    let corner = position - (edges[0] + edges[1]) * 0.5;
     Ok(LightKind::Rectangle { corner: corner.as_vec3(), edges: edges.map(|e| e.as_vec3()), spread })
 }
 
-/// Where the light goes: along `direction`, or from `position` towards `target`.
-fn direction(table: &Table<'_>, position: Vec3) -> Result<DVec3> {
+/// Where the light goes: along `direction`, or from `position`, a place in `frame`, towards `target`.
+fn direction(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<DVec3> {
     let (given, target) = (table.get("direction"), table.get("target"));
     match (given, target) {
         (Some(v), None) => v.direction(),
         (None, Some(v)) => {
             // A directional light may say where it seems to come from.
-            let from = table.or("position", position, Value::point)?;
-            let way = v.triple()? - from.as_dvec3();
-            way.try_normalize().ok_or_else(|| v.error(format!("the light's target is its position, {from}")))
+            let from = table.opt("position", Value::place)?.map_or(position, |p| frame.local(p));
+            let way = frame.shifted(v.triple()?) - from;
+            way.try_normalize()
+                .ok_or_else(|| v.error(format!("the light's target is its position, {}", frame.world(from))))
         }
         (Some(_), Some(v)) => Err(v.error("a light has either a direction or a target, not both")),
         (None, None) => Err(table.error("the light needs a direction or a target")),

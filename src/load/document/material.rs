@@ -1,6 +1,6 @@
 //! `[[material]]`.
 
-use glam::Vec3;
+use glam::DVec3;
 
 use super::Reader;
 use super::refraction::{index, ior};
@@ -151,13 +151,12 @@ fn base<'d>(reader: &Reader<'d>, table: &Table<'d>, default: Rgb, assembly: &mut
             return Err(c.error("give either `color` or `checker`, not both"));
         }
         let table = v.table("checker")?;
-        let colour = Colour::Checker {
-            even: table.need("even")?.share()?,
-            odd: table.need("odd")?.share()?,
-            size: table.or("size", 1.0, Value::positive)? as f32,
-            offset: table.or("offset", Vec3::ZERO, Value::point)?,
-        };
+        let (even, odd) = (table.need("even")?.share()?, table.need("odd")?.share()?);
+        let size = table.or("size", 1.0, Value::positive)?;
+        let corner = table.or("offset", DVec3::ZERO, Value::place)?;
         table.finish()?;
+        assembly.add_checker(corner, size);
+        let colour = Colour::Checker { even, odd, size: size as f32, offset: corner.as_vec3() };
         return Ok(colour);
     }
     color.map_or(Ok(default), |c| c.share()).map(Colour::Constant)

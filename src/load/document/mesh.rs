@@ -1,16 +1,17 @@
 //! `[[mesh]]`.
 
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3};
 
 use super::table::{Table, Value};
 use super::{Names, Reader};
-use crate::Result;
-use crate::geometry::{Plane, Shape, Sphere, TriMesh};
-use crate::load::assembly::Assembly;
+use crate::geometry::{COORDINATE_LIMIT, TriMesh};
+use crate::load::assembly::{Assembly, Pending};
+use crate::load::draft::{Ball, Draft, MeshDraft};
 use crate::load::obj;
 use crate::load::shapes::{self, Wave};
 use crate::load::transform::{Transform, facing, flip, within_limit};
 use crate::scene::Origin;
+use crate::{Error, Result};
 
 /// The finest tessellation: beyond it a shape has more triangles than a scene may.
 const FINEST: u32 = 16_384;
@@ -68,6 +69,7 @@ pub(super) fn mesh<'d>(
                 })?,
                 flip: flipped,
                 transform,
+                limit: f64::from(COORDINATE_LIMIT),
                 wrong_transform: &wrong,
             };
             table.finish()?;
@@ -78,33 +80,31 @@ pub(super) fn mesh<'d>(
             let name = given.unwrap_or_else(|| format!("{} {}", value.text().unwrap_or_default(), i + 1));
             let material = names.material(&table.need("material")?)?;
             let wrong = |e: String| reader.source.error(&place, format!("the transform of `{name}` {e}"));
-            let mut shape = shape(kind, table, assembly, &name)?;
+            let shape = shape(kind, table, assembly, &name)?;
             table.finish()?;
-            match &mut shape {
-                Shape::Mesh(mesh) => {
-                    transform.mesh(mesh).map_err(wrong)?;
+            let draft = match shape {
+                Unplaced::Mesh(mut mesh) => {
+                    transform.mesh(&mut mesh).map_err(wrong)?;
                     if flipped {
-                        flip(mesh);
+                        flip(&mut mesh.mesh);
                     }
+                    Draft::Mesh(mesh)
                 }
-                Shape::Sphere(sphere) => {
-                    if flipped {
-                        return Err(table.error(format!(
-                            "`{name}` is an exact sphere, whose outside is fixed; give it a tessellation to flip it"
-                        )));
-                    }
-                    *sphere = transform.sphere(sphere).map_err(wrong)?;
+                Unplaced::Ball(_) if flipped => {
+                    return Err(table.error(format!(
+                        "`{name}` is an exact sphere, whose outside is fixed; give it a tessellation to flip it"
+                    )));
                 }
-                Shape::Plane(plane) => {
-                    *plane = transform.plane(plane).map_err(wrong)?;
-                    if flipped {
-                        plane.normal = -plane.normal;
-                    }
+                Unplaced::Ball(ball) => Draft::Ball(transform.ball(&ball).map_err(wrong)?),
+                Unplaced::Plane { point, normal } => {
+                    let flat = transform.plane(point, normal).map_err(wrong)?;
+                    Draft::Flat(if flipped { flat.flipped() } else { flat })
                 }
-            }
+            };
             let file = reader.source.file.display().to_string();
             let line = reader.source.line(table.span.start) as u32;
-            assembly.add(name, shape, material, Origin { file, line, triangle_lines: Vec::new() })
+            let origin = Origin { file, line, triangle_lines: Vec::new() };
+            assembly.add(Pending { name, draft, material, origin, smooth: None, flip: false })
         }
         (Some(_), Some(value)) => Err(value.error("a mesh has either a `file` or a `shape`, not both")),
         (None, None) => Err(table.error("[[mesh]] needs a `file` or a `shape`")),
@@ -128,8 +128,14 @@ fn transform(value: &Value<'_>, name: Option<&str>, i: usize) -> Result<Transfor
     made.map_err(|e| value.error(format!("the transform of {name} {e}")))
 }
 
-/// The shape before its transform.
-fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str) -> Result<Shape> {
+/// A shape before its transform.
+enum Unplaced {
+    Mesh(MeshDraft),
+    Ball(Ball),
+    Plane { point: DVec3, normal: DVec3 },
+}
+
+fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str) -> Result<Unplaced> {
     let fail = |e: String| table.error(format!("`{name}`: {e}"));
     let mut steps = |default: Option<u32>, triangles: fn(u64) -> u64| -> Result<Option<u32>> {
         let steps = table.opt("tessellation", |v| v.whole(1..=FINEST))?.or(default);
@@ -140,8 +146,12 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
     };
     let centre = || table.or("center", DVec3::ZERO, Value::place);
     let radius = || table.or("radius", 1.0, Value::positive);
-    let place =
-        |mesh: &mut TriMesh, t: std::result::Result<Transform, String>| t.and_then(|t| t.mesh(mesh)).map_err(fail);
+    let place = |mesh: TriMesh, t: std::result::Result<Transform, String>| {
+        let mut draft = MeshDraft::from(mesh);
+        t.and_then(|t| t.mesh(&mut draft)).map_err(fail)?;
+        draft.round_unless_far();
+        Ok::<_, Error>(draft)
+    };
     let flat = |mesh: &mut TriMesh| -> Result<()> {
         if !table.or("smooth", true, Value::boolean)? {
             shapes::make_flat(mesh);
@@ -152,31 +162,26 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
         Kind::Sphere => {
             let (centre, radius) = (centre()?, radius()?);
             let Some(n) = steps(None, |n| 4 * n * n)? else {
-                return Ok(Shape::Sphere(Sphere { centre: centre.as_vec3(), radius: radius as f32 }));
+                return Ok(Unplaced::Ball(Ball::new(centre, radius)));
             };
             let mut mesh = shapes::sphere(n);
             flat(&mut mesh)?;
-            place(&mut mesh, Transform::from_parts(DVec3::splat(radius), DVec3::ZERO, centre))?;
-            mesh
+            place(mesh, Transform::from_parts(DVec3::splat(radius), DVec3::ZERO, centre))?
         }
         Kind::Plane => {
-            let point = table.or("point", Vec3::ZERO, Value::point)?;
-            let normal = table.or("normal", DVec3::Y, Value::direction)?.as_vec3();
-            return Ok(Shape::Plane(Plane { point, normal }));
+            let point = table.or("point", DVec3::ZERO, Value::place)?;
+            let normal = table.or("normal", DVec3::Y, Value::direction)?;
+            return Ok(Unplaced::Plane { point, normal });
         }
         Kind::Box => {
             let n = steps(Some(1), |n| 12 * n * n)?.unwrap_or(1);
-            let mut mesh = shapes::cuboid(n);
             let size = table.or("size", DVec3::ONE, Value::extent)?;
-            place(&mut mesh, Transform::from_parts(size, DVec3::ZERO, centre()?))?;
-            mesh
+            place(shapes::cuboid(n), Transform::from_parts(size, DVec3::ZERO, centre()?))?
         }
         Kind::Disc => {
             let n = steps(Some(64), |n| n)?.unwrap_or(64);
-            let mut mesh = shapes::disc(n);
             let normal = table.or("normal", DVec3::Y, Value::direction)?;
-            place(&mut mesh, facing(normal, radius()?, centre()?))?;
-            mesh
+            place(shapes::disc(n), facing(normal, radius()?, centre()?))?
         }
         Kind::Torus => {
             let major = table.or("major", 1.0, Value::positive)?;
@@ -187,7 +192,7 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
             let n = steps(Some(64), |n| n * n.max(6))?.unwrap_or(64);
             let mut mesh = shapes::torus(major, minor, n);
             flat(&mut mesh)?;
-            mesh
+            mesh.into()
         }
         Kind::Lathe => {
             let value = table.need("profile")?;
@@ -201,7 +206,7 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
             })?;
             let n = steps(Some(64), |n| 2 * n)?.unwrap_or(64);
             assembly.take_triangles((2 * u64::from(n)).saturating_mul(profile.len() as u64))?;
-            shapes::lathe(&profile, n, crease).map_err(|e| value.error(e))?
+            shapes::lathe(&profile, n, crease).map_err(|e| value.error(e))?.into()
         }
         Kind::Heightfield => {
             let size = table.need("size")?;
@@ -218,7 +223,7 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
             let n = steps(Some(64), |n| 2 * n * n + 12 * n)?.unwrap_or(64);
             let mut mesh = shapes::heightfield(extent, &waves, level, depth, n).map_err(fail)?;
             flat(&mut mesh)?;
-            mesh
+            mesh.into()
         }
         Kind::Grid => {
             let size = table.or("size", [1.0; 2], Value::numbers::<2>)?;
@@ -226,15 +231,14 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
                 return Err(table.error(format!("`{name}`: `size` is {size:?}; it must be above 0")));
             }
             let n = steps(Some(1), |n| 2 * n * n)?.unwrap_or(1);
-            let mut mesh = shapes::grid(n);
-            place(&mut mesh, Transform::from_parts(DVec3::new(size[0], 1.0, size[1]), DVec3::ZERO, DVec3::ZERO))?;
-            mesh
+            let scale = DVec3::new(size[0], 1.0, size[1]);
+            place(shapes::grid(n), Transform::from_parts(scale, DVec3::ZERO, DVec3::ZERO))?
         }
     };
-    if let Some(p) = mesh.positions.iter().find(|&&p| !within_limit(p)) {
-        return Err(table.error(format!("`{name}` reaches to {p}, beyond 1.844e18")));
+    if let Some(p) = mesh.corners.iter().find(|&&p| !within_limit(p)) {
+        return Err(table.error(format!("`{name}` reaches to {}, beyond 1.844e18", p.as_vec3())));
     }
-    Ok(Shape::Mesh(mesh))
+    Ok(Unplaced::Mesh(mesh))
 }
 
 fn wave(value: &Value<'_>) -> Result<Wave> {

@@ -36,9 +36,8 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
 
     let names = reader.materials(&top, &mut assembly)?;
     let camera = top.table("camera")?;
-    match &camera {
-        Some(table) => assembly.scene.camera = camera::camera(table, |v| names.medium(v, &assembly))?,
-        None => assembly.reporter.default_used("no [camera]: it stands at 0, 1, 5 and looks at the origin"),
+    if camera.is_none() {
+        assembly.reporter.default_used("no [camera]: it stands at 0, 1, 5 and looks at the origin");
     }
     if let Some(table) = top.table("render")? {
         assembly.scene.settings = camera::settings(&table, options)?;
@@ -51,12 +50,15 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     if lights.len() > options.limits.objects {
         return Err(Error::Limit(format!("the scene has more than {} lights", options.limits.objects)));
     }
-    for (i, table) in lights.iter().enumerate() {
-        assembly.scene.lights.push(light::light(table, i)?);
-    }
     for (i, table) in top.list("mesh")?.iter().enumerate() {
         mesh::mesh(&reader, table, i, &names, &mut assembly)?;
     }
+    // What has a place waits for the origin of places.
+    let frame = assembly.settle(Some(camera::line_of_sight(camera.as_ref())?))?;
+    for (i, table) in lights.iter().enumerate() {
+        assembly.scene.lights.push(light::light(table, i, frame)?);
+    }
+    assembly.scene.camera = camera::camera(camera.as_ref(), frame, &names, &mut assembly)?;
     top.finish()?;
     names.report_unused(&mut assembly);
     if assembly.scene.objects.is_empty() {

@@ -279,15 +279,10 @@ impl<'d> Value<'d> {
         self.numbers().map(DVec3::from)
     }
 
-    /// A place.
-    pub(super) fn point(&self) -> Result<Vec3> {
-        self.place().map(|p| p.as_vec3())
-    }
-
-    /// A place that is reckoned with before it is rounded.
+    /// A place, in world coordinates.
     pub(super) fn place(&self) -> Result<DVec3> {
         let p = self.triple()?;
-        if within_limit(p.as_vec3()) { Ok(p) } else { Err(self.must(p, "within 1.844e18")) }
+        if within_limit(p) { Ok(p) } else { Err(self.must(p, "within 1.844e18")) }
     }
 
     /// A direction of any length but 0, made a unit one.

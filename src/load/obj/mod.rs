@@ -15,11 +15,10 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use self::library::Library;
-use super::assembly::Assembly;
-use super::smooth::smooth;
+use super::assembly::{Assembly, Pending};
+use super::draft::Draft;
 use super::source::{folder_of, read};
-use super::transform::{Transform, flip};
-use crate::geometry::{Shape, TriMesh};
+use super::transform::Transform;
 use crate::scene::{Material, Origin};
 use crate::{Error, Result};
 
@@ -35,6 +34,8 @@ pub(super) struct Request<'a> {
     pub flip: bool,
     /// Where it is put.
     pub transform: Transform,
+    /// The largest magnitude of a coordinate, where most are that large.
+    pub limit: f64,
     /// The error that says what is wrong with the transform, at its own place.
     pub wrong_transform: &'a dyn Fn(String) -> Error,
 }
@@ -44,7 +45,7 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     let limits = assembly.options.limits;
     let bytes = read(path, limits.file_bytes)?;
     let text = text(path, &bytes, assembly)?;
-    let scan = scan::scan(path, &text, &limits, &mut assembly.reporter)?;
+    let scan = scan::scan(path, &text, request.limit, &limits, &mut assembly.reporter)?;
     drop(text);
     drop(bytes);
 
@@ -62,12 +63,13 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     let meshes = parts::meshes(path, &scan, &parts, &mut assembly.reporter)?;
     drop(scan);
     for (part, mut mesh) in parts.into_iter().zip(meshes) {
-        place(request, &mut mesh)?;
+        request.transform.mesh(&mut mesh).map_err(request.wrong_transform)?;
         let material = &assembly.scene.materials[part.group as usize].name;
         let name =
             if request.material.is_some() { request.name.clone() } else { format!("{}/{material}", request.name) };
         let origin = Origin { file: path.display().to_string(), line: 0, triangle_lines: part.lines };
-        assembly.add(name, Shape::Mesh(mesh), part.group, origin)?;
+        let (draft, material) = (Draft::Mesh(mesh), part.group);
+        assembly.add(Pending { name, draft, material, origin, smooth: request.smooth, flip: request.flip })?;
     }
     Ok(())
 }
@@ -131,16 +133,4 @@ fn materials(path: &Path, scan: &scan::Scan, assembly: &mut Assembly<'_>) -> Res
         places.push(place);
     }
     Ok(places)
-}
-
-/// Moves, smooths and turns over one mesh of a model.
-fn place(request: &Request<'_>, mesh: &mut TriMesh) -> Result<()> {
-    request.transform.mesh(mesh).map_err(request.wrong_transform)?;
-    if let (Some(crease), true) = (request.smooth, mesh.normals.is_empty()) {
-        smooth(mesh, crease);
-    }
-    if request.flip {
-        flip(mesh);
-    }
-    Ok(())
 }

@@ -36,7 +36,7 @@ use crate::{Error, Result};
 /// Makes the material of an MTL entry, with its medium and picture.
 pub(super) fn material(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<Material> {
     let values = &entry.values;
-    let colour = |c: Option<[f32; 3]>| c.map_or(Rgb::ZERO, Rgb::from);
+    let colour = |c: Option<[f64; 3]>| c.map_or(Rgb::ZERO, rgb);
     let warn = |assembly: &mut Assembly<'_>, what: &str| {
         let kind = format!("material `{}`: {what}", short(&entry.name));
         assembly.reporter.warn(&entry.file, entry.line as usize, &kind, String::new)
@@ -70,7 +70,7 @@ pub(super) fn material(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<Mat
         }
         _ => Interface::Opaque,
     };
-    if let Some(opacity) = values.dissolve.filter(|&d| d < 1.0) {
+    if let Some(opacity) = values.dissolve.map(|d| d as f32).filter(|&d| d < 1.0) {
         if glass {
             warn(assembly, &format!("opacity {opacity} is left out: illum {illum} is transparent by itself"))?;
         } else {
@@ -101,12 +101,16 @@ pub(super) fn material(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<Mat
     }
     let highlight = match values.shininess {
         Some(exponent) if exponent > 0.0 && ks != Rgb::ZERO && illum >= 2 => {
-            Some(Highlight { colour: ks, exponent, model: HighlightModel::BlinnPhong })
+            Some(Highlight { colour: ks, exponent: exponent as f32, model: HighlightModel::BlinnPhong })
         }
         _ => None,
     };
     let ambient = if illum == 0 { Rgb::ZERO } else { colour(values.ambient) };
     Ok(Material { name: entry.name.clone(), ambient, diffuse, highlight, emission, interface })
+}
+
+fn rgb(colour: [f64; 3]) -> Rgb {
+    Rgb::from(colour.map(|c| c as f32))
 }
 
 /// The index of a material that needs one.
@@ -119,8 +123,7 @@ fn index(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<f64> {
         ));
     }
     match entry.values.optical_density {
-        // The shortest decimal of the f32 is what the file says.
-        Some(n) => Ok(n.to_string().parse().unwrap_or(f64::from(n))),
+        Some(n) => Ok(n),
         None => {
             let kind = format!("material `{}` has no refractive index `Ni`; it is 1.5", short(&entry.name));
             assembly.reporter.warn(&entry.file, entry.line as usize, &kind, String::new)?;
@@ -131,7 +134,7 @@ fn index(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<f64> {
 
 /// The diffuse colour; `dark` says that there is none where the file gives none.
 fn base(entry: &Entry, dark: bool, assembly: &mut Assembly<'_>) -> Result<Colour> {
-    let kd = entry.values.diffuse.map(Rgb::from);
+    let kd = entry.values.diffuse.map(rgb);
     if let Some(name) = &entry.values.diffuse_texture {
         match assembly.root.resolve(folder_of(&entry.file), name) {
             Ok(path) => {

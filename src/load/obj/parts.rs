@@ -4,13 +4,14 @@ use std::fmt::Write;
 use std::io::Cursor;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::polygon::{MOST_CONCAVE_CORNERS, triangulate};
 use super::scan::{Corner, NONE, Scan};
 use crate::geometry::TriMesh;
+use crate::load::draft::MeshDraft;
+use crate::load::extent::within;
 use crate::load::report::Reporter;
-use crate::load::transform::within_limit;
 use crate::{Error, Result};
 
 /// The triangles of one material.
@@ -40,10 +41,10 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
             continue;
         }
         let position = |c: &Corner| scan.positions[c.v as usize];
-        if let Some(bad) = corners.iter().map(position).find(|p| !within_limit(*p)) {
+        if let Some(bad) = corners.iter().map(position).find(|&p| !within(p, scan.widest)) {
             reporter.dropped("a corner that is not finite");
-            let kind = "faces with a corner that is not finite or beyond 1.8e18 are left out";
-            reporter.warn(file, line, kind, || format!(": corner {bad}"))?;
+            let kind = format!("faces with a corner that is not finite or beyond {:.1e} are left out", scan.widest);
+            reporter.warn(file, line, &kind, || format!(": corner {bad}"))?;
             continue;
         }
         corners.dedup_by(|a, b| position(a) == position(b));
@@ -56,9 +57,9 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
             continue;
         }
         points.clear();
-        points.extend(corners.iter().map(|c| position(c).as_dvec3()));
+        points.extend(corners.iter().map(position));
         cut.clear();
-        triangulate(&points, &mut cut).map_err(|n| {
+        triangulate(&points, rounding(&points, scan.precise), &mut cut).map_err(|n| {
             Error::at(
                 file,
                 line,
@@ -88,6 +89,12 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
     }
     parts.retain(|p| !p.triangles.is_empty());
     Ok(parts)
+}
+
+/// How far off a corner may be for its rounding to `f32`: as it stands or, where that is `later`, as seen from near by.
+fn rounding(points: &[DVec3], later: bool) -> f64 {
+    let from = if later { points[0] } else { DVec3::ZERO };
+    points.iter().fold(0f64, |m, &p| m.max((p - from).abs().max_element())) * f64::from(f32::EPSILON)
 }
 
 /// Takes normals and texture coordinates off a face that has them at some corners only, or normals without length.
@@ -123,12 +130,18 @@ fn usable_normal(n: Vec3) -> bool {
 ///
 /// `tobj` gets a text in which nothing is left to misread: finite numbers, absolute indices in range, triangles
 /// only, one object a part, and attributes at every corner of a part or at none.
-pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Reporter) -> Result<Vec<TriMesh>> {
+pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Reporter) -> Result<Vec<MeshDraft>> {
     let mut text = String::new();
     for p in &scan.positions {
         // Corners that are not finite belong to faces that were left out; their places still count.
-        let p = if p.is_finite() { *p } else { Vec3::ZERO };
-        push(&mut text, format_args!("v {} {} {}\n", p.x, p.y, p.z));
+        let p = if p.is_finite() { *p } else { DVec3::ZERO };
+        if scan.precise {
+            push(&mut text, format_args!("v {} {} {}\n", p.x, p.y, p.z));
+        } else {
+            // Of fewer digits.
+            let p = p.as_vec3();
+            push(&mut text, format_args!("v {} {} {}\n", p.x, p.y, p.z));
+        }
     }
     for uv in &scan.uvs {
         push(&mut text, format_args!("vt {} {}\n", uv.x, uv.y));
@@ -181,25 +194,23 @@ pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Re
     Ok(models.into_iter().zip(parts).map(|(model, part)| mesh(model.mesh, part)).collect())
 }
 
-fn mesh(mesh: tobj::Mesh, part: &Part) -> TriMesh {
+fn mesh(mesh: tobj::Mesh, part: &Part) -> MeshDraft {
     let triples = |flat: &[u32]| flat.as_chunks::<3>().0.to_vec();
-    let vectors = |flat: &[f32]| flat.as_chunks::<3>().0.iter().map(|&p| Vec3::from(p)).collect::<Vec<_>>();
-    let mut out =
-        TriMesh { positions: vectors(&mesh.positions), triangles: triples(&mesh.indices), ..TriMesh::default() };
+    let vectors = |flat: &[f64]| flat.as_chunks::<3>().0.iter().map(|&p| DVec3::from(p)).collect::<Vec<_>>();
+    let mut out = TriMesh { triangles: triples(&mesh.indices), ..TriMesh::default() };
     if part.with_normals > 0 {
-        out.normals = vectors(&mesh.normals);
+        out.normals = vectors(&mesh.normals).into_iter().map(|n| n.as_vec3()).collect();
         out.normal_indices = triples(&mesh.normal_indices);
     }
     if part.with_uvs > 0 {
-        out.uvs = mesh.texcoords.as_chunks::<2>().0.iter().map(|&p| Vec2::from(p)).collect();
+        out.uvs = mesh.texcoords.as_chunks::<2>().0.iter().map(|p| Vec2::from(p.map(|x| x as f32))).collect();
         out.uv_indices = triples(&mesh.texcoord_indices);
     }
-    out
+    MeshDraft { corners: vectors(&mesh.positions), mesh: out }
 }
 
 /// The unit normal of a triangle; up where it has no area (no ray meets it).
-fn flat_normal(corners: [Vec3; 3]) -> Vec3 {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+fn flat_normal([a, b, c]: [DVec3; 3]) -> Vec3 {
     (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
 }
 

@@ -9,19 +9,18 @@ const MOST_LOOKS: u64 = 1 << 30;
 
 /// Cuts the polygon through `points` into `points.len() - 2` triangles of indices into it, without overlap for any
 /// simple polygon near a plane: a fan where its first corner sees all of it, else ear by ear (Meisters 1975). Corners on a
-/// straight edge stay, since neighbours may need them, and may leave triangles without area.
+/// straight edge stay, since neighbours may need them, and may leave triangles without area. Coordinates are off by as
+/// much as `rounding`: dents of that size are none.
 ///
 /// # Errors
 /// The number of corners, where it has a dent and is too large to cut up.
-pub(super) fn triangulate(points: &[DVec3], out: &mut Vec<[usize; 3]>) -> Result<(), usize> {
+pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), usize> {
     let count = points.len();
     if count == 3 {
         out.push([0, 1, 2]);
         return Ok(());
     }
     let flat = flatten(points);
-    // Coordinates come as f32: dents of their rounding are none.
-    let rounding = points.iter().fold(0f64, |m, p| m.max(p.abs().max_element())) * f64::from(f32::EPSILON);
     if is_fan(&flat, rounding) {
         out.extend((1..count - 1).map(|i| [0, i, i + 1]));
         return Ok(());
@@ -117,7 +116,7 @@ mod tests {
     fn cut(outline: &[[f64; 2]], lift: fn(f64, f64) -> DVec3) -> (Vec<[usize; 3]>, f64, f64) {
         let points: Vec<DVec3> = outline.iter().map(|p| lift(p[0], p[1])).collect();
         let mut triangles = Vec::new();
-        triangulate(&points, &mut triangles).unwrap();
+        triangulate(&points, 1e-6, &mut triangles).unwrap();
         assert_eq!(triangles.len(), points.len() - 2);
         let whole: DVec3 = (0..points.len()).map(|i| points[i].cross(points[(i + 1) % points.len()])).sum();
         let normal = whole.normalize();
@@ -172,12 +171,12 @@ mod tests {
     #[test]
     fn a_polygon_of_no_area_or_that_crosses_itself_still_ends() {
         let mut out = Vec::new();
-        triangulate(&[DVec3::ZERO; 6], &mut out).unwrap();
+        triangulate(&[DVec3::ZERO; 6], 0.0, &mut out).unwrap();
         let bow = [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0), DVec3::X, DVec3::Y];
-        triangulate(&bow, &mut out).unwrap();
+        triangulate(&bow, 1e-7, &mut out).unwrap();
         let star: Vec<DVec3> =
             (0..5).map(|i| DVec3::new((f64::from(i) * 2.5133).cos(), (f64::from(i) * 2.5133).sin(), 0.0)).collect();
-        triangulate(&star, &mut out).unwrap();
+        triangulate(&star, 1e-7, &mut out).unwrap();
         assert_eq!(out.len(), 4 + 2 + 3);
     }
 }

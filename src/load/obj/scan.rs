@@ -3,10 +3,12 @@
 
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::lines::Lines;
+use crate::geometry::COORDINATE_LIMIT;
 use crate::load::Limits;
+use crate::load::extent::{Extent, within};
 use crate::load::report::Reporter;
 use crate::{Error, Result};
 
@@ -36,7 +38,11 @@ pub(super) struct Face {
 #[derive(Debug, Default)]
 pub(super) struct Scan {
     /// Positions; they may be anything at all.
-    pub positions: Vec<Vec3>,
+    pub positions: Vec<DVec3>,
+    /// Whether they have all digits of the file; else they are rounded to `f32`, which is enough for what they draw.
+    pub precise: bool,
+    /// The largest magnitude of a coordinate that can be drawn.
+    pub widest: f64,
     /// Texture coordinates, finite.
     pub uvs: Vec<Vec2>,
     /// Normals; zero or not finite where the file gives no direction.
@@ -49,8 +55,9 @@ pub(super) struct Scan {
     pub libraries: Vec<(String, u32)>,
 }
 
-/// Reads the statements of an OBJ file.
-pub(super) fn scan(file: &Path, text: &str, limits: &Limits, reporter: &mut Reporter) -> Result<Scan> {
+/// Reads the statements of an OBJ file. Coordinates beyond [`COORDINATE_LIMIT`] count as wrong, unless most are: then those
+/// beyond `widest`.
+pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, reporter: &mut Reporter) -> Result<Scan> {
     let mut scan = Scan { uses: vec![(String::new(), 0)], ..Scan::default() };
     let mut places = std::collections::HashMap::from([(String::new(), 0u32)]);
     let mut material = 0;
@@ -67,7 +74,7 @@ pub(super) fn scan(file: &Path, text: &str, limits: &Limits, reporter: &mut Repo
         let Some(keyword) = words.next() else { continue };
         match keyword {
             "v" => {
-                let [x, y, z] = at.numbers(code, &mut words)?;
+                let position = at.numbers(code, &mut words, wide)?;
                 if let (Some(w), None) = (words.next(), words.next())
                     && w.parse() != Ok(1.0f32)
                 {
@@ -75,12 +82,12 @@ pub(super) fn scan(file: &Path, text: &str, limits: &Limits, reporter: &mut Repo
                         format!(": `{}`", short(code))
                     })?;
                 }
-                scan.positions.push(Vec3::new(x, y, z));
+                scan.positions.push(DVec3::from(position));
             }
             "vt" => {
                 let first = words.next().unwrap_or("");
-                let u = at.number(code, first)?;
-                let v = words.next().map_or(Ok(0.0), |w| at.number(code, w))?;
+                let u = at.number(code, first, narrow)?;
+                let v = words.next().map_or(Ok(0.0), |w| at.number(code, w, narrow))?;
                 let uv = Vec2::new(u, v);
                 if !uv.is_finite() {
                     reporter.warn(
@@ -92,7 +99,7 @@ pub(super) fn scan(file: &Path, text: &str, limits: &Limits, reporter: &mut Repo
                 }
                 scan.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
             }
-            "vn" => scan.normals.push(Vec3::from(at.numbers(code, &mut words)?)),
+            "vn" => scan.normals.push(Vec3::from(at.numbers(code, &mut words, narrow)?)),
             "f" | "fo" => {
                 let first = scan.corners.len();
                 for word in words {
@@ -156,7 +163,36 @@ pub(super) fn scan(file: &Path, text: &str, limits: &Limits, reporter: &mut Repo
         }
     }
     check_indices(file, &mut scan, reporter)?;
+    let drawn = scan.faces.iter().flat_map(|f| &scan.corners[f.first..f.first + f.count]);
+    let places = drawn.map(|c| scan.positions[c.v as usize]);
+    let usual = f64::from(COORDINATE_LIMIT);
+    let beyond = places.clone().filter(|&p| within(p, widest) && !within(p, usual)).count();
+    scan.widest = if 2 * beyond > scan.corners.len() { widest } else { usual };
+    let places = places.filter(|&p| within(p, scan.widest));
+    scan.precise = !Extent::around(places).suits_f32();
+    if !scan.precise {
+        scan.positions.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
+    }
     Ok(scan)
+}
+
+fn narrow(word: &str) -> Option<f32> {
+    word.parse().ok()
+}
+
+/// The number nearest to a decimal that rounds to the `f32` nearest to it, too.
+fn wide(word: &str) -> Option<f64> {
+    let x: f64 = word.parse().ok()?;
+    // Rounding twice may go the other way halfway between two `f32`: the last 29 bits of a normal one tell.
+    let halfway = x.to_bits() & 0x1fff_ffff == 0x1000_0000;
+    let tiny = x != 0.0 && x.abs() < f64::from(f32::MIN_POSITIVE);
+    if halfway || tiny {
+        let once: f32 = word.parse().ok()?;
+        if x as f32 != once {
+            return Some(if f64::from(once) > x { x.next_up() } else { x.next_down() });
+        }
+    }
+    Some(x)
 }
 
 /// Positive indices may point forward, so they are checked at the end.
@@ -196,8 +232,8 @@ impl Place<'_> {
         Error::at(self.file, self.line as usize, message)
     }
 
-    fn number(&self, statement: &str, word: &str) -> Result<f32> {
-        word.parse().map_err(|_| {
+    fn number<T>(&self, statement: &str, word: &str, read: fn(&str) -> Option<T>) -> Result<T> {
+        read(word).ok_or_else(|| {
             let statement = short(statement.trim());
             self.error(match word {
                 "" => format!("`{statement}` has too few numbers"),
@@ -209,12 +245,14 @@ impl Place<'_> {
         })
     }
 
-    fn numbers<'w>(&self, statement: &str, words: &mut impl Iterator<Item = &'w str>) -> Result<[f32; 3]> {
-        let mut numbers = [0.0; 3];
-        for n in &mut numbers {
-            *n = self.number(statement, words.next().unwrap_or(""))?;
-        }
-        Ok(numbers)
+    fn numbers<'w, T>(
+        &self,
+        statement: &str,
+        words: &mut impl Iterator<Item = &'w str>,
+        read: fn(&str) -> Option<T>,
+    ) -> Result<[T; 3]> {
+        let mut next = || self.number(statement, words.next().unwrap_or(""), read);
+        Ok([next()?, next()?, next()?])
     }
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
@@ -266,4 +304,28 @@ pub(super) fn short(text: &str) -> String {
         out.push_str("...");
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_keep_the_digits_of_f64_and_still_round_to_the_f32_nearest_to_the_decimal() {
+        assert_eq!(wide("5411234.441013"), Some(5411234.441013));
+        assert_eq!(wide("x"), None);
+        // Above halfway between 1 and the next `f32` by less than an `f64` can tell.
+        let above = "1.000000059604644775390625000000000001";
+        assert_eq!(above.parse::<f64>().unwrap() as f32, 1.0);
+        assert_eq!(wide(above).unwrap() as f32, 1.0_f32.next_up());
+        // And below, where the tie would go up.
+        let below = "1.000000178813934326171874999999999999";
+        assert_eq!(below.parse::<f64>().unwrap() as f32, 1.0_f32.next_up().next_up());
+        assert_eq!(wide(below).unwrap() as f32, 1.0_f32.next_up());
+        // Between 1 and 2 times the least `f32`, above the middle.
+        let tiny = "2.10194769649500000000000000001e-45";
+        assert_eq!(wide(tiny).unwrap() as f32, tiny.parse::<f32>().unwrap());
+        assert_eq!(wide("-0").unwrap().to_bits(), (-0.0_f64).to_bits());
+        assert_eq!(wide("1e39").unwrap() as f32, f32::INFINITY);
+    }
 }

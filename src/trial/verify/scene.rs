@@ -26,7 +26,7 @@ pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
     if lo.cmple(hi).all() {
         // Something flat is still looked at from all around.
         let half = (hi - lo) * 0.5;
-        ((lo + hi) * 0.5, half.max(DVec3::splat((half.max_element() * 0.1).max(1e-6))))
+        ((lo + hi) * 0.5, half.max(DVec3::splat((half.max_element() * 0.1).max(f64::from(f32::MIN_POSITIVE)))))
     } else {
         (scene.camera.eye.as_dvec3(), DVec3::ONE)
     }
@@ -65,8 +65,10 @@ pub fn fire<C: Candidate>(candidate: &C, scene: &Scene, plan: &Plan, observer: &
                         tally.check(!(flat && hit.is_hit() && hit.id() == l.from.id()), || {
                             let place = Place::of(scene, l.from.geometry, l.from.primitive);
                             format!(
-                                "{place}: met again by a {:?} ray that leaves it ({}): {:?}",
-                                l.sent, way.name, l.ray
+                                "{place}: met again by a {:?} ray that leaves it ({}): {}",
+                                l.sent,
+                                way.name,
+                                told(scene, &l.ray)
                             )
                         });
                     }
@@ -88,7 +90,7 @@ pub fn fire<C: Candidate>(candidate: &C, scene: &Scene, plan: &Plan, observer: &
                     let fault = fault.or_else(|| differs.then(|| format!("other bits than {}", ways[0].name)));
                     tally.check(fault.is_none(), || {
                         let (place, fault) = (at(scene, examined.truth(), hit), fault.unwrap_or_default());
-                        format!("{place}: {fault} ({}): {ray:?}", way.name)
+                        format!("{place}: {fault} ({}): {}", way.name, told(scene, ray))
                     });
                 }
             }
@@ -106,6 +108,15 @@ fn counts(group: Group, fault: Fault) -> bool {
 
 fn bits(h: &Hit) -> ([u32; 3], (u32, u32, u32)) {
     ([h.t, h.u, h.v].map(f32::to_bits), h.id())
+}
+
+/// A ray, its start in world coordinates.
+fn told(scene: &Scene, ray: &Ray) -> String {
+    if scene.is_in_world_coordinates() {
+        return format!("{ray:?}");
+    }
+    let (from, along) = (scene.world(ray.origin.as_dvec3()), ray.dir.as_dvec3() * scene.unit());
+    format!("a ray from {from} along {along}, t {} to {}", ray.t_min, ray.t_max)
 }
 
 /// The triangle that a ray should have met, or did.

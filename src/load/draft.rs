@@ -1,0 +1,173 @@
+//! Shapes where their files put them: world coordinates in `f64`, before the scene's origin is known.
+
+use glam::DVec3;
+
+use super::extent::{Extent, WIDEST, within};
+use super::origin::Frame;
+use crate::geometry::{Plane, Shape, Sphere, TriMesh};
+
+/// Corners of a mesh that are looked at to see where most of it lies.
+const SAMPLE: usize = 1024;
+/// One in so many corners may stray to either side, along each axis.
+const STRAY: usize = 20;
+
+/// A place as `f32` has it, unless all digits are to be kept.
+pub(super) fn rounded(place: DVec3, keep: bool) -> DVec3 {
+    if keep { place } else { place.as_vec3().as_dvec3() }
+}
+
+/// A mesh whose corners are places in the world.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MeshDraft {
+    /// What will be the positions of `mesh`.
+    pub corners: Vec<DVec3>,
+    /// All else; no positions yet.
+    pub mesh: TriMesh,
+}
+
+impl MeshDraft {
+    pub(super) fn extent(&self) -> Extent {
+        Extent::around(self.corners.iter().copied())
+    }
+
+    /// The box around most of it: a few stray corners far away count for nothing.
+    fn bulk(&self) -> Extent {
+        let step = self.corners.len() / SAMPLE + 1;
+        let sample: Vec<DVec3> = self.corners.iter().step_by(step).copied().filter(|&p| within(p, WIDEST)).collect();
+        if sample.is_empty() {
+            return self.extent();
+        }
+        let mut bulk = Extent::EMPTY;
+        for axis in 0..3 {
+            let mut along: Vec<f64> = sample.iter().map(|p| p[axis]).collect();
+            along.sort_unstable_by(f64::total_cmp);
+            let stray = along.len() / STRAY;
+            (bulk.lo[axis], bulk.hi[axis]) = (along[stray], along[along.len() - 1 - stray]);
+        }
+        if bulk.size() > 0.0 { bulk } else { self.extent() }
+    }
+
+    /// Rounds the corners to `f32`, as a file's numbers and the corners of built-in shapes are before they are moved,
+    /// except where the mesh is far.
+    pub(super) fn round_unless_far(&mut self) {
+        if self.extent().suits_f32() {
+            self.corners.iter_mut().for_each(|p| *p = rounded(*p, false));
+        }
+    }
+
+    /// The mesh as seen in `frame`.
+    fn settle(self, frame: Frame) -> TriMesh {
+        let positions = self.corners.iter().map(|&p| frame.shifted(p).as_vec3()).collect();
+        TriMesh { positions, ..self.mesh }
+    }
+}
+
+impl From<TriMesh> for MeshDraft {
+    fn from(mut mesh: TriMesh) -> Self {
+        let corners = std::mem::take(&mut mesh.positions).into_iter().map(|p| p.as_dvec3()).collect();
+        Self { corners, mesh }
+    }
+}
+
+/// An exact sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub centre: DVec3,
+    pub radius: f64,
+}
+
+impl Ball {
+    /// The sphere that a file gives, rounded to `f32` as [`MeshDraft::round_unless_far`] rounds meshes.
+    pub(super) fn new(centre: DVec3, radius: f64) -> Self {
+        let exact = Self { centre, radius: f64::from(radius as f32) };
+        Self { centre: rounded(centre, !exact.extent().suits_f32()), ..exact }
+    }
+
+    fn extent(&self) -> Extent {
+        Extent::around([self.centre - self.radius, self.centre + self.radius].into_iter())
+    }
+}
+
+/// An infinite plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Flat {
+    /// A place on it.
+    pub point: DVec3,
+    /// Its unit normal.
+    pub normal: DVec3,
+    /// The same, each number rounded to `f32` before and after it was moved.
+    pub near: Plane,
+}
+
+impl Flat {
+    /// The same from its other side.
+    pub(super) fn flipped(self) -> Self {
+        let near = Plane { normal: -self.near.normal, ..self.near };
+        Self { normal: -self.normal, near, ..self }
+    }
+
+    /// The plane as seen in `frame`: by its place next to the origin, so that no digits of a far one count.
+    pub(super) fn settle(self, frame: Frame) -> Plane {
+        if frame == Frame::at(DVec3::ZERO) {
+            return self.near;
+        }
+        let foot = self.normal * frame.shifted(self.point).dot(self.normal);
+        Plane { point: foot.as_vec3(), ..self.near }
+    }
+
+    /// The place on it next to `place`.
+    pub(super) fn foot(&self, place: DVec3) -> DVec3 {
+        place + self.normal * (self.point - place).dot(self.normal)
+    }
+}
+
+/// A shape.
+#[derive(Clone, Debug)]
+pub(super) enum Draft {
+    Mesh(MeshDraft),
+    Ball(Ball),
+    Flat(Flat),
+}
+
+impl Draft {
+    /// The box around it; empty for a plane, which has none.
+    pub(super) fn extent(&self) -> Extent {
+        match self {
+            Self::Mesh(mesh) => mesh.extent(),
+            Self::Ball(ball) => ball.extent(),
+            Self::Flat(_) => Extent::EMPTY,
+        }
+    }
+
+    /// The box around most of it.
+    pub(super) fn bulk(&self) -> Extent {
+        match self {
+            Self::Mesh(mesh) => mesh.bulk(),
+            Self::Ball(_) | Self::Flat(_) => self.extent(),
+        }
+    }
+
+    /// The shape as seen in `frame`.
+    pub(super) fn settle(self, frame: Frame) -> Shape {
+        match self {
+            Self::Mesh(mesh) => Shape::Mesh(mesh.settle(frame)),
+            Self::Ball(ball) => Shape::Sphere(Sphere {
+                centre: frame.shifted(ball.centre).as_vec3(),
+                radius: (ball.radius / frame.unit()) as f32,
+            }),
+            Self::Flat(flat) => Shape::Plane(flat.settle(frame)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lies_within_64_times_its_size_is_rounded_and_what_lies_beyond_is_not() {
+        let ball = |x: f64| Ball::new(DVec3::new(x, 0.0, 0.0), 0.5).centre.x;
+        assert_eq!(ball(60.1), f64::from(60.1_f32));
+        assert_eq!(ball(70.1), 70.1);
+    }
+}

@@ -1,0 +1,63 @@
+//! Boxes around shapes in world coordinates, and what of them `f32` can hold.
+
+use glam::DVec3;
+
+/// How many times its own size a thing may lie from 0 before it counts as far. Nearer ones lose no more than 4e-6 of their size
+/// as `f32`.
+pub(super) const FAR: f64 = 64.0;
+/// The largest magnitude of a coordinate of a model by itself, whose unit is free: squares stay finite in `f64`.
+pub(super) const WIDEST: f64 = 1e150;
+
+/// A box in world coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    pub lo: DVec3,
+    pub hi: DVec3,
+}
+
+impl Extent {
+    /// The box around nothing.
+    pub(super) const EMPTY: Self = Self { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
+
+    /// The box around those of the places that have one: neither infinite nor no number.
+    pub(super) fn around(places: impl Iterator<Item = DVec3>) -> Self {
+        places.filter(|&p| within(p, WIDEST)).fold(Self::EMPTY, |b, p| Self { lo: b.lo.min(p), hi: b.hi.max(p) })
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.lo.x > self.hi.x
+    }
+
+    /// Its longest side.
+    pub(super) fn size(&self) -> f64 {
+        (self.hi - self.lo).max_element()
+    }
+
+    pub(super) fn centre(&self) -> DVec3 {
+        (self.lo + self.hi) * 0.5
+    }
+
+    /// The largest magnitude of a coordinate in it, from `origin`.
+    pub(super) fn reach(&self, origin: DVec3) -> f64 {
+        (self.lo - origin).abs().max((self.hi - origin).abs()).max_element()
+    }
+
+    /// Whether a coordinate exceeds 64 times its size.
+    pub(super) fn is_far(&self) -> bool {
+        !self.is_empty() && self.reach(DVec3::ZERO) > FAR * self.size()
+    }
+
+    /// Whether `f32` holds what is in it to within 4e-6 of its size: it is neither far nor next to nothing.
+    pub(super) fn suits_f32(&self) -> bool {
+        !self.is_far() && self.size() > f64::from(f32::MIN_POSITIVE) * f64::from(1 << 24)
+    }
+}
+
+/// Whether no coordinate is beyond `limit`.
+pub(super) fn within(p: DVec3, limit: f64) -> bool {
+    p.abs().cmple(DVec3::splat(limit)).all()
+}
