@@ -45,7 +45,7 @@ pub use pattern::FilmRay;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::accel::Intersector;
+use crate::accel::{Intersector, Shafts};
 use crate::effects::{self, Reach};
 use crate::image::Film;
 use crate::scene::Scene;
@@ -77,10 +77,12 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     let eye_media = eye::media_around(scene, accel);
     let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
+    let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &eye_media, observer);
+        worker.shading.shafts = shafts.as_ref();
         let mut results = Vec::new();
         while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             worker.tile(&tile)?;
