@@ -12,8 +12,10 @@ use crate::simd::Mask8;
 pub mod embree;
 pub mod native;
 pub mod reference;
+mod shafts;
 mod unbounded;
 
+pub use shafts::Shafts;
 pub use unbounded::Unbounded;
 
 /// What the caller knows of a stream's order. A back end may check it, and may ignore it.
@@ -77,6 +79,11 @@ pub trait Intersector: Sync {
 
     /// What was built.
     fn build_stats(&self) -> BuildStats;
+
+    /// Native's hierarchy over the same geometry, where the rays go through it.
+    fn native(&self) -> Option<&native::Native> {
+        None
+    }
 }
 
 /// What building an accelerator came to.

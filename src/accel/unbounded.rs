@@ -143,4 +143,8 @@ impl<I: Intersector> Intersector for Unbounded<I> {
         let planes = BuildStats { planes: self.planes.len(), dropped: self.dropped, ..Default::default() };
         self.inner.build_stats().and(planes)
     }
+
+    fn native(&self) -> Option<&super::native::Native> {
+        self.inner.native()
+    }
 }

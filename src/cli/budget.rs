@@ -76,17 +76,19 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
         let check = interrupt::heeded(|| check::check(&whole, film, &given, bound, examined, observer))?;
         let seconds = traced.render_time.as_secs_f64();
         let kept = match wish {
-            Wish::MaxError(_) => check.wrong.is_empty(),
+            Wish::MaxError(_) => check.shows_it_kept(),
             Wish::Time(t) => seconds <= t.as_secs_f64(),
         };
         for line in told(&check, wish, seconds, candidate) {
             say(job.quiet, &line);
         }
+        // What the reference cannot show, a more exact picture cannot either.
+        let unproven = matches!(wish, Wish::MaxError(_)) && check.wrong.is_empty() && !check.can_show();
         let options = candidate.variant.to_string();
         steps.push(Step { options: options.clone(), predicted_seconds: candidate.seconds, seconds, check });
-        if kept || i == last {
+        if kept || unproven || i == last {
             if !kept {
-                output::log("warning: the budget was not kept; this is the closest that was found");
+                output::log(&not_kept(&steps[i].check, wish));
             }
             return Ok((traced, Spent { kept, options, choice, steps }));
         }
@@ -131,6 +133,18 @@ fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Sce
     Ok(())
 }
 
+/// The warning about a budget that was not kept.
+fn not_kept(check: &Check, wish: Wish) -> String {
+    match wish {
+        Wish::MaxError(bound) if check.wrong.is_empty() => format!(
+            "warning: --max-error {bound:.1e} is unproven: at {} of {} pixels the reference itself ({}) may be off by more; \
+             take a larger bound, or a greater --depth",
+            check.undecided, check.asked, check.reference
+        ),
+        _ => String::from("warning: the budget was not kept; this is the closest that was found"),
+    }
+}
+
 /// Why the first of the ladder is the first.
 fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
     let [width, height] = choice.size;
@@ -167,22 +181,33 @@ fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
     lines
 }
 
+/// The part of the line on pixels that the reference leaves undecided.
+fn undecided(check: &Check, wish: Wish) -> String {
+    match (wish, check.undecided) {
+        (Wish::Time(_), _) | (_, 0) => String::new(),
+        (_, n) => format!(", {n} undecided (the reference itself cuts more there)"),
+    }
+}
+
 /// What the check found.
 fn told(check: &Check, wish: Wish, seconds: f64, candidate: &Candidate) -> Vec<String> {
     let verdict = match wish {
-        Wish::MaxError(_) if check.wrong.is_empty() => "kept",
+        Wish::MaxError(_) if check.shows_it_kept() => "kept",
+        Wish::MaxError(_) if check.wrong.is_empty() => "UNPROVEN",
         Wish::MaxError(_) => "NOT kept",
         Wish::Time(t) if seconds <= t.as_secs_f64() => "in time",
         Wish::Time(_) => "NOT in time",
     };
     let mut lines = vec![format!(
-        "{:<10} {verdict}: {seconds:.3} s ({:.3} predicted); {} pixels against f64: off by at most {:.1e}, {} beyond {:.1e}",
+        "{:<10} {verdict}: {seconds:.3} s ({:.3} predicted); {} pixels against {}: off by at most {:.1e}, {} beyond {:.1e}{}",
         "check",
         candidate.seconds,
         check.asked,
+        check.reference,
         check.worst,
         if check.examined { check.wrong.len() } else { check.beyond },
-        check.bound
+        check.bound,
+        undecided(check, wish)
     )];
     if !check.ill.is_empty() {
         let shown: Vec<String> = check

@@ -22,14 +22,13 @@ pub trait Extent<R: Real> {
     /// `PHYSICAL`, else not.
     fn point<const PHYSICAL: bool>(&self, from: Vector3<R>, at: [R; 2]) -> Seen<R>;
 
-    /// One of four directions from `from` between which all the lamp is: what is in the way of none, or of all, of them
-    /// and has one straight edge across the lamp is in the way of none, or of all, of the lamp. How far to look, too; the
-    /// share is no matter.
-    fn corner(&self, from: Vector3<R>, corner: usize) -> Seen<R>;
+    /// Corners of a pyramid that holds the lamp, as vectors from its apex `from` to a plane across the lamp, in order
+    /// around it.
+    fn corners(&self, from: Vector3<R>) -> [Vector3<R>; 4];
 }
 
-/// The signs of the four corners of a square.
-const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]];
+/// The signs of the four corners of a square, in order around it.
+const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
 /// A ball. Its points are those of the cap that a place sees, by equal solid angles, so that each is worth the same.
 #[derive(Clone, Copy, Debug)]
@@ -88,14 +87,12 @@ impl<R: Real> Extent<R> for Ball<R> {
     }
 
     #[inline(always)]
-    fn corner(&self, from: Vector3<R>, corner: usize) -> Seen<R> {
+    fn corners(&self, from: Vector3<R>) -> [Vector3<R>; 4] {
         let Cap { axes: [along, across, up], distance, sin_squared, .. } = self.cap(from);
         // The square around the circle in which the tangents from here cross the plane of the centre.
-        let tangent = (sin_squared / (R::one() - sin_squared)).safe_sqrt();
-        let [x, y] = CORNERS[corner].map(|sign| R::splat(sign) * tangent);
-        let way = along + across * x + up * y;
-        let length = way.length();
-        Seen { dir: way * (R::one() / length), distance: distance * length, share: R::one() }
+        let reach = distance * (sin_squared / (R::one() - sin_squared)).safe_sqrt();
+        let (middle, across, up) = (along * distance, across * reach, up * reach);
+        CORNERS.map(|[x, y]| middle + across * R::splat(x) + up * R::splat(y))
     }
 }
 
@@ -128,9 +125,9 @@ impl<R: Real> Extent<R> for Sheet<R> {
     }
 
     #[inline(always)]
-    fn corner(&self, from: Vector3<R>, corner: usize) -> Seen<R> {
-        let half = R::splat(0.5);
-        self.look(from, CORNERS[corner].map(|sign| R::splat(sign).fma(half, half)))
+    fn corners(&self, from: Vector3<R>) -> [Vector3<R>; 4] {
+        let [u, v] = self.edges;
+        [self.corner, self.corner + u, self.corner + u + v, self.corner + v].map(|corner| corner - from)
     }
 }
 
@@ -222,12 +219,11 @@ mod tests {
     fn the_corners_hold_the_lamp_between_them() {
         let ball = Ball { centre: V::new(0.3, 4.0, -1.0), radius: 0.9 };
         let from = V::new(0.1, 0.0, 0.2);
-        let corners: Vec<V> = (0..4).map(|k| ball.corner(from, k).dir).collect();
-        let order = [0, 2, 1, 3];
+        let corners = ball.corners(from);
         let middle = (ball.centre - from).normalized();
         for k in 0..4 {
             // The plane through the place and two neighbouring corners touches the ball, and has it on its inside.
-            let plane = corners[order[k]].cross(corners[order[(k + 1) % 4]]).normalized();
+            let plane = corners[k].cross(corners[(k + 1) % 4]).normalized();
             let far = plane.dot(ball.centre - from);
             assert!((far.abs() - 0.9).abs() < 1e-12, "{far}");
             assert!(far * plane.dot(middle) > 0.0);

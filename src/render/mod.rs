@@ -50,7 +50,7 @@ pub use unmatched::UnmatchedExits;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use crate::accel::Intersector;
+use crate::accel::{Intersector, Shafts};
 use crate::effects::{self, Effect, Reach};
 use crate::geometry::contact::Contacts;
 use crate::image::Film;
@@ -84,11 +84,13 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let (bodies, (contacts, touching)) = (Bodies::of(scene), contacts(scene, options));
     let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
     let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
+    let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
     let next = AtomicUsize::new(0);
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
         let media = Media { bodies: &bodies, contacts: &contacts, eye: &eye_bodies };
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
+        worker.shading.shafts = shafts.as_ref();
         let mut results = Vec::new();
         while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             worker.tile(&tile)?;

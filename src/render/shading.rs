@@ -9,13 +9,13 @@ use super::options::Options;
 use super::outcome::{RayCounts, RayKind, StreamCounts};
 use super::pattern::LampPoints;
 use super::queue::{Chunk, Queue, Rgb8, Spawn8};
-use super::soft::Probes;
 use super::split::mirrored::{self, ReflectStage};
 use super::stages::Stages;
 use super::surface::{HitRef, Surface8};
 use super::tile::Tile;
 use super::touch::{Arrivals, Touching};
 use super::unmatched::UnmatchedExits;
+use crate::accel::Shafts;
 use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Contacts;
@@ -82,7 +82,8 @@ pub struct Shading<'a> {
     pub shadows: Queue,
     /// Where lamps with an extent are sampled.
     pub points: LampPoints,
-    pub probes: Probes,
+    /// What looks through the shafts between places and lamps; none where all points of lamps get shadow rays.
+    pub shafts: Option<&'a Shafts<'a>>,
     /// The tile whose pixels these are, and which of their camera rays is under way.
     pub tile: Tile,
     pub sample: u32,
@@ -127,7 +128,7 @@ impl<'a> Shading<'a> {
             queues: Vec::new(),
             shadows: Queue::new(stages.carries),
             points: LampPoints::new(&scene.settings.lamps),
-            probes: Probes { queue: Queue::new(stages.carries), ..Probes::default() },
+            shafts: None,
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }

@@ -10,7 +10,6 @@ use super::surface::HitRef;
 use super::worker::{MOST_PASSES, Worker};
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{GeometryMask, Hit8};
-use crate::math::Real;
 use crate::simd::Mask8;
 
 impl<I: Intersector> Worker<'_, I> {
@@ -25,37 +24,6 @@ impl<I: Intersector> Worker<'_, I> {
         self.trace_shadows(&mut chunk, depth, coherence);
         let packets = chunk.rays.iter().zip(&chunk.states);
         self.shading.accumulator.add_light(packets.map(|(ray, state)| (ray.active, &state.pixel, &state.weight)));
-        self.shadow_chunk = chunk;
-    }
-
-    /// Traces the shadow rays that are asked first, gives their places the answers, and adds what counts of their light.
-    pub(super) fn answer_probes(&mut self, depth: usize, coherence: Coherence) {
-        if self.shading.probes.queue.is_empty() {
-            return;
-        }
-        let mut chunk = std::mem::take(&mut self.shadow_chunk);
-        chunk.clear();
-        self.shading.probes.queue.take(usize::MAX, &mut chunk);
-        let mut weights = std::mem::take(&mut self.shadow_weights);
-        weights.clear();
-        weights.extend(chunk.states.iter().map(|state| state.weight));
-        self.trace_shadows(&mut chunk, depth, coherence);
-        let probes = &mut self.shading.probes;
-        let packets = chunk.rays.iter().zip(&chunk.states).zip(&weights);
-        for (((ray, state), before), askers) in packets.zip(probes.askers.chunks(8)) {
-            let [same_x, same_y, same_z] =
-                [state.weight.x.eq(before.x), state.weight.y.eq(before.y), state.weight.z.eq(before.z)];
-            let whole = (same_x & same_y & same_z).bits();
-            let mut counting = 0;
-            for (lane, asker) in askers.iter().enumerate() {
-                let arrives = ray.active >> lane & 1 != 0;
-                probes.verdicts[asker.place as usize].add(arrives, whole >> lane & 1 != 0);
-                counting |= u8::from(arrives && asker.counts) << lane;
-            }
-            self.shading.accumulator.add_light8(counting, &state.pixel, &state.weight);
-        }
-        probes.askers.clear();
-        self.shadow_weights = weights;
         self.shadow_chunk = chunk;
     }
 

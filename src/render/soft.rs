@@ -1,31 +1,30 @@
 //! The light stages of lamps with an extent: many points, each of which shines as a lamp of its own.
 //!
-//! Where the settings say so, a few shadow rays are asked first, and most of the others are left out where these agree:
-//! rays to four corners around the lamp, which decide on anything with one straight edge, and to the first four of its
-//! points, one in each quarter, against what is smaller. Only the latter count for the picture. What is asked of a place
-//! depends on that place alone, so that no grouping of rays makes a difference.
+//! Where the settings say so, each place first looks through the shaft between it and the lamp ([`Shafts`]). Where that is
+//! proven empty, all points shine on it without a shadow ray; where one surface is proven to cover the lamp, none does.
+//! All points get their shadow rays elsewhere. So the picture is that of all shadow rays, whatever the grouping of rays.
 
 use super::base::Base8;
 use super::extent::{Ball, Extent, Seen, Sheet};
 use super::light::lobe;
 use super::pattern::{LampPoints, Scramble};
-use super::queue::{Queue, Rgb8, Spawn8};
+use super::queue::{Rgb8, Spawn8};
 use super::shading::Shading;
 use super::surface::Surface8;
+use crate::accel::Shafts;
+use crate::geometry::{Content, Shaft, ShaftEnd};
 use crate::math::{Real, Vector3};
-use crate::scene::{Falloff, LampSampling, Light, LightKind, Rgb, Spread};
+use crate::scene::{Falloff, LampSampling, Light, LightKind, Scene, Spread};
 use crate::simd::{F32x8, Vec3x8};
 
-/// Points of a lamp whose shadow rays go first.
-const PROBES: u32 = 4;
-
-/// Corners around a lamp that are looked at besides.
-const CORNERS: u32 = 4;
+/// Points of a lamp that cost less than looking through a shaft.
+const TOO_FEW: u32 = 4;
 
 /// Shadow rays that one call of a stage may queue, so that memory does not grow with the number of points.
 const MOST_QUEUED: usize = 1 << 14;
 
-/// What the lamp of this number in the scene does to surfaces with these bases, met by rays of the depth given.
+/// Function that adds the light of one lamp, by its index in the scene, to surfaces with these bases, met by rays of the
+/// depth given.
 pub type SoftStage = fn(&mut Shading, usize, &[Surface8], &[Base8], usize);
 
 /// The stages of a lamp with an extent.
@@ -35,51 +34,10 @@ pub struct SoftStages {
     pub shadows: bool,
     /// Adds its light where it casts none.
     pub open: SoftStage,
-    /// Queues its shadow rays; where some go first, only those.
+    /// Adds the light of its points that no shadow ray is needed for, and queues the shadow rays of the others.
     pub ask: SoftStage,
-    /// Once they have been traced: settles the rest of its points, also of places that none of the first ones left.
-    pub settle: SoftStage,
-    /// Surfaces that are to go through both at a time.
+    /// Surfaces that are to go through it at a time.
     pub surfaces: usize,
-}
-
-/// Shadow rays that go first, and what came of them.
-#[derive(Debug, Default)]
-pub struct Probes {
-    /// The rays, with the light that they bring if nothing is in the way as their weight.
-    pub queue: Queue,
-    /// By ray: the place it answers for, and whether its light counts.
-    pub askers: Vec<Asker>,
-    /// By place, eight to a surface.
-    pub verdicts: Vec<Verdict>,
-}
-
-/// Whom a shadow ray answers.
-#[derive(Clone, Copy, Debug)]
-pub struct Asker {
-    /// Its place in [`Probes::verdicts`].
-    pub place: u32,
-    /// Whether its light is part of the picture.
-    pub counts: bool,
-}
-
-/// What the shadow rays of a place found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Verdict(u8);
-
-impl Verdict {
-    const CLEAR: Self = Self(1);
-    const BLOCKED: Self = Self(2);
-    const WEAKENED: Self = Self(4);
-
-    /// Adds what a ray found: whether its light arrives, and whether as strong as it set out.
-    pub fn add(&mut self, arrives: bool, whole: bool) {
-        self.0 |= match (arrives, whole) {
-            (false, _) => Self::BLOCKED.0,
-            (true, true) => Self::CLEAR.0,
-            (true, false) => Self::WEAKENED.0,
-        };
-    }
 }
 
 /// The stages for a lamp with an extent on surfaces some of which have highlights (`shiny`); none for other lights.
@@ -93,25 +51,41 @@ pub fn pick(light: &Light, shiny: bool, sampling: &LampSampling) -> Option<SoftS
 }
 
 fn pick_for<L: Lamp>(light: &Light, shiny: bool, sampling: &LampSampling) -> SoftStages {
-    let [open, ask, settle]: [SoftStage; 3] = match (light.falloff == Falloff::InverseSquare, shiny) {
-        (false, false) => [open::<L, false, false>, ask::<L, false, false>, settle::<L, false, false>],
-        (false, true) => [open::<L, false, true>, ask::<L, false, true>, settle::<L, false, true>],
-        (true, false) => [open::<L, true, false>, ask::<L, true, false>, settle::<L, true, false>],
-        (true, true) => [open::<L, true, true>, ask::<L, true, true>, settle::<L, true, true>],
+    let [open, ask]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
+        (false, false) => [open::<L, false, false>, ask::<L, false, false>],
+        (false, true) => [open::<L, false, true>, ask::<L, false, true>],
+        (true, false) => [open::<L, true, false>, ask::<L, true, false>],
+        (true, true) => [open::<L, true, true>, ask::<L, true, true>],
     };
     let surfaces = (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1);
-    SoftStages { shadows: light.shadows, open, ask, settle, surfaces }
+    SoftStages { shadows: light.shadows, open, ask, surfaces }
 }
 
-/// Whether some of a lamp's shadow rays go first: not where there is too little to be left out for what asking costs.
-pub fn probing(shading: &Shading) -> bool {
-    shading.scene.settings.lamps.probe && shading.points.count() > PROBES + CORNERS
+/// Returns true if some lamp's shadow rays can be spared by looking through shafts, and the settings ask for it.
+#[must_use]
+pub fn looks_through_shafts(scene: &Scene) -> bool {
+    let lamps = &scene.settings.lamps;
+    let casts = |light: &Light| light.shadows && light.kind.is_extended();
+    lamps.probe && lamps.count > TOO_FEW && scene.lights.iter().any(casts)
+}
+
+/// The view of a lamp from a place.
+enum View {
+    /// It does not shine there.
+    Dark,
+    /// Between them is a shaft.
+    Through(Shaft),
+    /// Rounding leaves open where between them is.
+    Unclear,
 }
 
 /// A kind of lamp.
 trait Lamp: Extent<F32x8> + Sized + 'static {
     /// The light, where it is of this kind.
     fn of(light: &Light) -> Option<Self>;
+
+    /// The end of the shaft to a light of this kind, from a place. None where the place is within it or beside it.
+    fn end(light: &Light, from: Vector3<f32>) -> Option<ShaftEnd>;
 }
 
 impl Lamp for Ball<F32x8> {
@@ -119,15 +93,43 @@ impl Lamp for Ball<F32x8> {
         let LightKind::Sphere { position, radius } = light.kind else { return None };
         Some(Self { centre: Vec3x8::splat(position), radius: F32x8::from(radius) })
     }
+
+    fn end(light: &Light, from: Vector3<f32>) -> Option<ShaftEnd> {
+        let LightKind::Sphere { position, radius } = light.kind else { return None };
+        let ball = Ball { centre: Vector3::from(position), radius };
+        let way: glam::Vec3 = (ball.centre - from).into();
+        let distance = way.length();
+        (distance > 1.001 * radius).then(|| ShaftEnd {
+            corners: ball.corners(from).map(Into::into),
+            across: way / distance,
+            // Rays end on the near side; its rim is the farthest of that.
+            end: distance - radius * radius / distance,
+            stop: 1.0 - radius / distance,
+            body: Some((way, radius)),
+        })
+    }
 }
 
 impl Lamp for Sheet<F32x8> {
     fn of(light: &Light) -> Option<Self> {
         let LightKind::Rectangle { corner, edges, spread } = light.kind else { return None };
-        let across = || edges[0].as_dvec3().cross(edges[1].as_dvec3()).normalize().as_vec3();
-        let normal = (spread == Spread::Cosine).then(|| Vec3x8::splat(across()));
+        let normal = (spread == Spread::Cosine).then(|| Vec3x8::splat(normal_of(edges)));
         Some(Self { corner: Vec3x8::splat(corner), edges: edges.map(Vec3x8::splat), normal })
     }
+
+    fn end(light: &Light, from: Vector3<f32>) -> Option<ShaftEnd> {
+        let LightKind::Rectangle { corner, edges, .. } = light.kind else { return None };
+        let sheet = Sheet { corner: Vector3::from(corner), edges: edges.map(Vector3::from), normal: None };
+        let corners = sheet.corners(from).map(Into::into);
+        let across = normal_of(edges);
+        let away = (corner - glam::Vec3::from(from)).dot(across);
+        let across = if away < 0.0 { -across } else { across };
+        Some(ShaftEnd { corners, across, end: away.abs(), stop: 1.0, body: None })
+    }
+}
+
+fn normal_of([u, v]: [glam::Vec3; 2]) -> glam::Vec3 {
+    u.as_dvec3().cross(v.as_dvec3()).normalize().as_vec3()
 }
 
 /// One lamp and the places of eight lanes that it shines on.
@@ -172,6 +174,40 @@ impl<'a, L: Lamp> Shine<'a, L> {
     fn facing(&self, dir: Vec3x8) -> u8 {
         let facing = dir.dot(self.surface.shading).gt(F32x8::ZERO) & dir.dot(self.surface.normal).gt(F32x8::ZERO);
         facing.bits() & self.surface.base_lanes
+    }
+
+    /// The view of the lamp from one lane's place.
+    fn view(&self, light: &Light, lane: usize) -> View {
+        let from = self.origin.lane(lane);
+        let normal = self.surface.normal.lane(lane);
+        let shaft = L::end(light, from.into()).and_then(|end| Shaft::new(from, normal, &end));
+        match shaft {
+            Some(shaft) if shaft.is_below(normal) || shaft.is_below(self.surface.shading.lane(lane)) => View::Dark,
+            Some(shaft) => View::Through(shaft),
+            None => View::Unclear,
+        }
+    }
+
+    /// Lanes that the whole lamp shines on with nothing in between, and lanes that need a shadow ray for each point.
+    fn sorted(&self, shading: &Shading, light: &Light, shafts: &Shafts) -> (u8, u8) {
+        let (mut clear, mut traced) = (0, 0);
+        for lane in super::accumulate::set_lanes(self.surface.base_lanes) {
+            // Layers of a place where surfaces touch are crossed by rays alone.
+            let layered = self.surface.returning[lane] != 0;
+            let content = match self.view(light, lane) {
+                View::Dark => continue,
+                View::Through(_) if layered => Content::Mixed,
+                View::Through(shaft) => shafts.content(&shaft, shading.shadow_admits),
+                View::Unclear => Content::Mixed,
+            };
+            let absorbs = shading.media.absorption(self.surface.stack[lane]).is_some();
+            match content {
+                Content::Covered => {}
+                Content::Empty if !absorbs => clear |= 1 << lane,
+                Content::Empty | Content::Mixed => traced |= 1 << lane,
+            }
+        }
+        (clear, traced)
     }
 
     #[inline(always)]
@@ -232,73 +268,31 @@ fn ask<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     bases: &[Base8],
     depth: usize,
 ) {
-    let Some(lamp) = L::of(&shading.scene.lights[number]) else { return };
-    let count = shading.points.count();
-    let probing = probing(shading);
-    shading.probes.verdicts.clear();
-    shading.probes.verdicts.resize(surfaces.len() * 8, Verdict::default());
-    for (place, (surface, base)) in surfaces.iter().zip(bases).enumerate() {
-        if !base.lit {
-            continue;
-        }
+    let light = &shading.scene.lights[number];
+    let Some(lamp) = L::of(light) else { return };
+    for (surface, base) in surfaces.iter().zip(bases).filter(|(_, base)| base.lit) {
         let shine = Shine::new(shading, (number, &lamp), surface, base, depth);
-        let mut asking = 0;
-        for i in 0..if probing { PROBES } else { count } {
-            let sent = shine.point::<PHYSICAL, SHINY>(&shading.points, i);
-            let new = shine.ray(shading, &sent);
-            if probing {
-                shading.probes.push8(sent.lanes, &new, place, true);
-            } else {
-                shading.shadows.push8(sent.lanes, &new);
-            }
-            asking |= sent.lanes;
-        }
-        if !probing || asking == 0 {
+        let (clear, traced) = match shading.shafts {
+            Some(shafts) => shine.sorted(shading, light, shafts),
+            None => (0, u8::MAX),
+        };
+        if clear | traced == 0 {
             continue;
         }
-        for corner in 0..CORNERS as usize {
-            let Seen { dir, distance, .. } = lamp.corner(shine.origin, corner);
-            let lanes = asking & shine.facing(dir);
-            let sent = Sent { dir, distance, light: Vec3x8::splat(Rgb::ONE), lanes };
-            let new = shine.ray(shading, &sent);
-            shading.probes.push8(lanes, &new, place, false);
-        }
-    }
-}
-
-fn settle<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
-    shading: &mut Shading,
-    number: usize,
-    surfaces: &[Surface8],
-    bases: &[Base8],
-    depth: usize,
-) {
-    let Some(lamp) = L::of(&shading.scene.lights[number]) else { return };
-    for (k, (surface, base)) in surfaces.iter().zip(bases).enumerate() {
-        if !base.lit {
-            continue;
-        }
-        let verdicts = &shading.probes.verdicts[k * 8..k * 8 + 8];
-        let of = |verdict: Verdict| super::split::lane_bits(|lane| verdicts[lane] == verdict);
-        let (clear, blocked) = (of(Verdict::CLEAR), of(Verdict::BLOCKED));
-        if surface.base_lanes & !blocked == 0 {
-            continue;
-        }
-        let shine = Shine::new(shading, (number, &lamp), surface, base, depth);
-        for i in PROBES..shading.points.count() {
+        for i in 0..shading.points.count() {
             let sent = shine.point::<PHYSICAL, SHINY>(&shading.points, i);
             shading.accumulator.add_light8(sent.lanes & clear, &surface.pixel, &sent.light);
+            let lanes = sent.lanes & traced;
+            if lanes == 0 {
+                continue;
+            }
             let new = shine.ray(shading, &sent);
-            // Penumbras seldom take up all eight lanes.
-            shading.shadows.push_in_order(sent.lanes & !clear & !blocked, &new);
+            if shading.shafts.is_none() {
+                shading.shadows.push8(lanes, &new);
+            } else {
+                // Penumbras seldom take up all eight lanes.
+                shading.shadows.push_in_order(lanes, &new);
+            }
         }
-    }
-}
-
-impl Probes {
-    fn push8(&mut self, lanes: u8, new: &Spawn8, surface: usize, counts: bool) {
-        self.queue.push_in_order(lanes, new);
-        let asker = |lane| Asker { place: (surface * 8 + lane) as u32, counts };
-        self.askers.extend(super::accumulate::set_lanes(lanes).map(asker));
     }
 }

@@ -12,9 +12,9 @@ use super::extra::Extra8;
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::{RayKind, Seen, Stage};
-use super::queue::{Chunk, Rgb8, State8};
+use super::queue::{Chunk, State8};
 use super::shading::Shading;
-use super::soft::{SoftStage, SoftStages, probing};
+use super::soft::{SoftStage, SoftStages};
 use super::split::lane_bits;
 use super::stages::{BinStages, STREAM, Stages};
 use super::surface::{HitRef, Surface8};
@@ -83,8 +83,6 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) shadow_ends: Vec<F32x8>,
     pub(super) shadow_refs: Vec<HitRef>,
     pub(super) blocked: Vec<Mask8>,
-    /// Weights of shadow rays that are asked first, as they set out.
-    pub(super) shadow_weights: Vec<Rgb8>,
     /// Lanes of shadow packets whose light arrives.
     pub(super) arrived: Vec<u8>,
 }
@@ -128,7 +126,6 @@ impl<'a, I: Intersector> Worker<'a, I> {
             shadow_ends: Vec::new(),
             shadow_refs: Vec::new(),
             blocked: Vec::new(),
-            shadow_weights: Vec::new(),
             arrived: Vec::new(),
         }
     }
@@ -330,10 +327,6 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 continue;
             }
             run(self, soft.ask);
-            if probing(&self.shading) {
-                self.answer_probes(depth, coherence);
-                run(self, soft.settle);
-            }
             if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
                 self.flush_shadows(depth, coherence);
             }

@@ -55,8 +55,8 @@ pub struct LampSampling {
     pub pattern: Pattern,
     /// Another seed is another scrambling of the points; no grid depends on it.
     pub seed: u32,
-    /// Whether points that the first few shadow rays say nothing new of go without: where all of those arrive, all do;
-    /// where all are blocked, none does. What stands in the way of none of the first few, and of others, is missed.
+    /// Skip shadow rays where nothing is between a place and a lamp, or one surface covers all of the lamp. The picture
+    /// is the same.
     pub probe: bool,
 }
 

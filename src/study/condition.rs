@@ -1,4 +1,4 @@
-//! Whether a pixel belongs to its camera rays at all, or moves with their last digits.
+//! The condition of a pixel: ill where its `f64` value moves with the last digits of its rays.
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
@@ -8,8 +8,8 @@ use std::time::Instant;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::render::Observer;
-use crate::render::reference::Prepared;
+use crate::render::reference::{Prepared, Tally};
+use crate::render::{FilmRay, Observer};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
@@ -34,9 +34,11 @@ impl<'a> Condition<'a> {
         Self { prepared, scene, tolerance, observer, known: HashMap::new() }
     }
 
-    /// For each pixel, whether its `f64` value moves by more than the tolerance when its camera rays move together by
-    /// [`ULPS`] ulps of `f32`, or by as many for each level of their paths: to eight sides, directions by ulps of 1 or
-    /// origins by ulps of the eye's largest coordinate. None where `until` came before the answer.
+    /// Tells for each pixel if its `f64` value moves by more than the tolerance when its rays move together by [`ULPS`]
+    /// ulps of `f32`, or by as many for each level of their paths: directions of camera rays by ulps of 1, their origins
+    /// by ulps of the eye's largest coordinate, directions of shadow rays by ulps of 1,
+    /// each to eight sides. Lamps with an
+    /// extent and wavelengths are sampled as in the picture. None where `until` came before the answer.
     ///
     /// # Errors
     /// `Interrupted`.
@@ -49,7 +51,7 @@ impl<'a> Condition<'a> {
         Ok(pixels.iter().map(|p| self.known.get(p).copied()).collect())
     }
 
-    /// By how few ulps its camera rays have to move for a pixel to move: the first of 1, 2, 4, ... up to [`ULPS`] for
+    /// By how few ulps its rays have to move for a pixel to move: the first of 1, 2, 4, ... up to [`ULPS`] for
     /// each level of their paths; none where it does not.
     #[must_use]
     pub fn moves_at(&self, x: u32, y: u32) -> Option<f64> {
@@ -59,10 +61,10 @@ impl<'a> Condition<'a> {
         steps.chain([most]).find(|&ulps| pixel.moves(ulps, &|| true) == Some(true))
     }
 
-    /// The `f64` value of a pixel.
+    /// A pixel in `f64`, from the same light samples and wavelengths as the picture's.
     #[must_use]
-    pub fn value(&self, x: u32, y: u32) -> [f64; 3] {
-        Pixel::of(self, x, y).here
+    pub fn exact(&self, x: u32, y: u32) -> Tally {
+        self.prepared.tally_of(x, y)
     }
 
     fn moved(&self, x: u32, y: u32, until: Option<Instant>) -> Result<Option<bool>> {
@@ -79,9 +81,22 @@ impl<'a> Condition<'a> {
 /// One pixel's camera rays.
 struct Pixel<'a> {
     condition: &'a Condition<'a>,
-    /// Start and unit direction of each.
+    /// Column and row.
+    place: [u32; 2],
+    /// Start and unit direction of each, in the order of their sample indices.
     rays: Vec<(DVec3, DVec3)>,
     here: [f64; 3],
+}
+
+/// By how much rays are moved.
+#[derive(Clone, Copy, Default)]
+struct Step {
+    /// Added to the origin of a camera ray.
+    aside: DVec3,
+    /// Added to the unit direction of a camera ray.
+    turned: DVec3,
+    /// Added to the unit direction of every shadow ray.
+    shadows_turned: DVec3,
 }
 
 impl<'a> Pixel<'a> {
@@ -89,37 +104,48 @@ impl<'a> Pixel<'a> {
         let n = condition.scene.settings.samples.max(1);
         let within = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
         let ray = |k| condition.prepared.camera_ray(f64::from(x) + within(k % n), f64::from(y) + within(k / n));
-        let mut pixel = Self { condition, rays: (0..n * n).map(ray).collect(), here: [0.0; 3] };
-        pixel.here = pixel.mean(|_| [DVec3::ZERO; 2]);
+        let mut pixel = Self { condition, place: [x, y], rays: (0..n * n).map(ray).collect(), here: [0.0; 3] };
+        pixel.here = pixel.mean(|_| Step::default());
         pixel
     }
 
-    /// Its value with the origin and the direction of each ray moved by what `step` says for the direction.
-    fn mean(&self, step: impl Fn(DVec3) -> [DVec3; 2]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for &(origin, dir) in &self.rays {
-            let [aside, turned] = step(dir);
-            let seen = self.condition.prepared.radiance_along(origin + aside, (dir + turned).normalize());
-            for (s, v) in sum.iter_mut().zip(seen) {
-                *s += v / self.rays.len() as f64;
-            }
+    /// The ray of the film that a camera ray is.
+    fn film(&self, sample: usize) -> FilmRay {
+        FilmRay { pixel: self.place, sample: sample as u32 }
+    }
+
+    /// Its value with each ray moved by the step for its direction.
+    fn mean(&self, step: impl Fn(DVec3) -> Step) -> [f64; 3] {
+        let mut sum = DVec3::ZERO;
+        for (sample, &(origin, dir)) in self.rays.iter().enumerate() {
+            let Step { aside, turned, shadows_turned } = step(dir);
+            let (origin, dir) = (origin + aside, (dir + turned).normalize());
+            let seen = self.condition.prepared.trace_turned(self.film(sample), origin, dir, shadows_turned);
+            sum += seen.radiance / self.rays.len() as f64;
         }
-        sum
+        sum.to_array()
     }
 
     /// None where it was told not to go on.
     fn moves(&self, ulps: f64, goes_on: &dyn Fn() -> bool) -> Option<bool> {
         let reach = self.condition.scene.camera.eye.as_dvec3().abs().max_element();
+        let lit = self.condition.scene.lights.iter().any(|light| light.shadows);
         let moves = |k: u32| {
-            let (sin, cos) = (f64::from(k / 2) * FRAC_PI_4).sin_cos();
+            let (sin, cos) = (f64::from(k % 8) * FRAC_PI_4).sin_cos();
+            let corner = DVec3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 1.0 } else { -1.0 }));
             let there = self.mean(|dir| {
                 let (right, up) = dir.any_orthonormal_pair();
                 let step = (right * cos + up * sin) * (ulps * f64::from(f32::EPSILON));
-                if k.is_multiple_of(2) { [DVec3::ZERO, step] } else { [step * reach, DVec3::ZERO] }
+                match k / 8 {
+                    0 => Step { turned: step, ..Step::default() },
+                    1 => Step { aside: step * reach, ..Step::default() },
+                    // The corners of a cube: a shadow ray may go any way.
+                    _ => Step { shadows_turned: corner * (ulps * f64::from(f32::EPSILON)), ..Step::default() },
+                }
             });
             there.iter().zip(self.here).any(|(a, b)| (a - b).abs() > self.condition.tolerance)
         };
-        for k in 0..16 {
+        for k in 0..if lit { 24 } else { 16 } {
             if !goes_on() {
                 return None;
             }
@@ -133,7 +159,7 @@ impl<'a> Pixel<'a> {
     /// Levels of the longest path.
     fn levels(&self) -> f64 {
         let prepared = &self.condition.prepared;
-        let of = |&(origin, dir): &(DVec3, DVec3)| prepared.trace(origin, dir).rays.by_depth.len();
-        self.rays.iter().map(of).max().unwrap_or(1) as f64
+        let of = |(sample, &(origin, dir))| prepared.trace_for(self.film(sample), origin, dir).rays.by_depth.len();
+        self.rays.iter().enumerate().map(of).max().unwrap_or(1) as f64
     }
 }

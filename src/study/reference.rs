@@ -74,6 +74,15 @@ pub fn most_exact(default: &Variant, scene: &Scene) -> Variant {
     Variant { fresnel: if disperses { FresnelModel::Exact } else { FresnelModel::Polarised }, ..exact(default) }
 }
 
+/// Names of the choices of a reference that set its own error: precision, Fresnel formula, depth limit, cut-off.
+#[must_use]
+pub fn named(reference: &Variant) -> String {
+    let light = if reference.fresnel == FresnelModel::Polarised { "polarised" } else { "unpolarised" };
+    let Variant { precision, depth, cutoff, .. } = reference;
+    let precision = if *precision == Precision::Double { "f64" } else { "f32" };
+    format!("{precision}, {light}, depth {depth}, cut-off 1/{:.0}", 1.0 / cutoff)
+}
+
 /// What 16 by 16 rays a pixel may be made by, the best first: the choices of `exact` in `f64`, the same in `f32`, the
 /// default ones.
 #[must_use]

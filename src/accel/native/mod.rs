@@ -15,6 +15,7 @@ mod morton;
 mod one;
 mod rays;
 mod reinsert;
+mod shaft;
 mod sphere8;
 mod split;
 mod stack;
@@ -203,5 +204,9 @@ impl Intersector for Native {
 
     fn build_stats(&self) -> BuildStats {
         self.stats
+    }
+
+    fn native(&self) -> Option<&Self> {
+        Some(self)
     }
 }

@@ -13,8 +13,8 @@ use crate::simd::{F32x8, Mask8, Vec3x8};
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Sphere8 {
-    centre: Vec3x8,
-    radius: F32x8,
+    pub centre: Vec3x8,
+    pub radius: F32x8,
     tags: Tags,
 }
 

@@ -100,6 +100,11 @@ impl Tri8 {
         self.corners.iter().flatten().flat_map(|x| x.to_array()).map(f32::to_bits).chain(self.tags.words())
     }
 
+    /// The corners of all eight.
+    pub fn corners(&self) -> [Vec3x8; 3] {
+        self.corners.map(|[x, y, z]| Vec3x8::new(x, y, z))
+    }
+
     /// The corners of the triangle in slot `i`.
     pub fn triangle(&self, i: usize) -> [glam::Vec3; 3] {
         self.corners.map(|c| glam::Vec3::new(c[0].lane(i), c[1].lane(i), c[2].lane(i)))

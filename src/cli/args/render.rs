@@ -93,7 +93,7 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_enum, help_heading = "Machine")]
     pub reciprocal: Option<ReciprocalArg>,
 
-    /// Choose what keeps every channel within E (1/512, 0.002), the cheapest; what is given besides stays
+    /// Render with the cheapest settings that keep every channel within E (1/512, 0.002) of f64; options given stay
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with_all = ["time_budget", "exposure"], help_heading = "Budget")]
     pub max_error: Option<f64>,
 

@@ -171,12 +171,7 @@ impl<I: Intersector> Worker<'_, I> {
         let mut shadow = None;
         if soft.shadows {
             (soft.ask)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
-            let rays = [&self.shading.probes.queue.rays, &self.shading.shadows.rays];
-            shadow = rays.into_iter().flatten().next().copied();
-            if !self.shading.probes.queue.is_empty() {
-                self.answer_probes(depth, coherence);
-                (soft.settle)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
-            }
+            shadow = self.shading.shadows.rays.first().copied();
             self.flush_shadows(depth, coherence);
         } else {
             (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);

@@ -141,7 +141,21 @@ impl<'a> Prepared<'a> {
     /// [`Prepared::trace`] with lamps sampled as for that ray of the film.
     #[must_use]
     pub fn trace_for(&self, film: FilmRay, origin: DVec3, dir: DVec3) -> Tally {
-        Tracer::trace(self, film, origin, dir, &mut Off)
+        self.trace_turned(film, origin, dir, DVec3::ZERO)
+    }
+
+    /// [`Prepared::trace_for`] with `shadows_turned` added to the unit direction of every shadow ray: a shadow that
+    /// then differs lies within rounding of an edge.
+    #[must_use]
+    pub fn trace_turned(&self, film: FilmRay, origin: DVec3, dir: DVec3, shadows_turned: DVec3) -> Tally {
+        Tracer::trace(self, film, (origin, dir), shadows_turned, &mut Off)
+    }
+
+    /// A pixel of the picture (columns and rows from 0, at the upper left): the mean over its rays, each sampled as
+    /// [`render`] samples it.
+    #[must_use]
+    pub fn tally_of(&self, column: u32, row: u32) -> Tally {
+        self.pixel(column, row, &mut Off)
     }
 
     /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
@@ -162,7 +176,7 @@ impl<'a> Prepared<'a> {
             for i in 0..n {
                 let (origin, dir) = self.camera_ray(f64::from(column) + within(i), f64::from(row) + within(j));
                 let film = FilmRay { pixel: [column, row], sample: j * n + i };
-                mean.merge(&Tracer::trace(self, film, origin, dir, record), share);
+                mean.merge(&Tracer::trace(self, film, (origin, dir), DVec3::ZERO, record), share);
             }
         }
         mean

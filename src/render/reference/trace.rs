@@ -106,6 +106,8 @@ pub(super) struct Tracer<'a, 'r, L: Recorder> {
     pub prepared: &'a Prepared<'a>,
     /// Whose camera ray it is.
     film: FilmRay,
+    /// Added to the unit direction of every shadow ray; zero but for tests of condition.
+    shadows_turned: DVec3,
     /// What white light divides into.
     pub bands: &'a Bands,
     tally: Tally,
@@ -116,8 +118,15 @@ pub(super) struct Tracer<'a, 'r, L: Recorder> {
 }
 
 impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
-    /// All that comes of a camera ray, sampled as that ray of the film is.
-    pub fn trace(prepared: &'a Prepared<'a>, film: FilmRay, origin: DVec3, dir: DVec3, record: &'r mut L) -> Tally {
+    /// All that comes of a camera ray, sampled as that ray of the film is. `shadows_turned` is added to the unit
+    /// direction of every shadow ray.
+    pub fn trace(
+        prepared: &'a Prepared<'a>,
+        film: FilmRay,
+        (origin, dir): (DVec3, DVec3),
+        shadows_turned: DVec3,
+        record: &'r mut L,
+    ) -> Tally {
         let mut camera_ray = Pending {
             origin,
             dir,
@@ -135,7 +144,8 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(prepared.filled(), None)));
         let bands = &prepared.spectrum.sets()[prepared.spectrum.set_of(film.sample)];
         let (tally, pending) = (Tally::default(), vec![camera_ray]);
-        let mut tracer = Self { prepared, film, bands, tally, pending, branches: Vec::new(), record };
+        let branches = Vec::new();
+        let mut tracer = Self { prepared, film, shadows_turned, bands, tally, pending, branches, record };
         while let Some(ray) = tracer.pending.pop() {
             tracer.follow(ray);
         }
@@ -565,7 +575,11 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     fn shadow(&mut self, at: &Arrival, arriving: &Arriving) -> DVec3 {
         self.tally.rays.add(RayKind::Shadow, at.ray.depth as usize, 1);
         let origin = at.surface.start(arriving.towards);
-        let ray = Ray64 { t_max: arriving.distance, ..Ray64::new(origin, arriving.towards) };
+        let mut towards = arriving.towards;
+        if self.shadows_turned != DVec3::ZERO {
+            towards = (towards + self.shadows_turned).normalize();
+        }
+        let ray = Ray64 { t_max: arriving.distance, ..Ray64::new(origin, towards) };
         let (share, unmatched_exits) = let_through(self.prepared, &ray, at.returning, &at.ray.stack, at.ray.nm);
         self.tally.unmatched_exits.merge(&unmatched_exits);
         share

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::Result;
 use crate::image::Film;
 use crate::render::Observer;
-use crate::render::reference::Prepared;
+use crate::render::reference::{Prepared, Tally};
 use crate::scene::Scene;
 use crate::study::condition::Condition;
 use crate::study::errors::off;
@@ -21,8 +21,13 @@ const ASKED: usize = 512;
 pub struct Check {
     /// Pixels asked.
     pub asked: usize,
+    /// The picture they are held against.
+    pub reference: String,
     /// The most that a channel may be off.
     pub bound: f64,
+    /// Pixels within the bound at which the reference itself may be off by more: by the light that its depth limit and
+    /// cut-off took, or by the rounding of the picture's `f32`.
+    pub undecided: usize,
     /// The largest difference of a pixel that is not known to be ill-conditioned.
     pub worst: f64,
     /// Pixels beyond the bound.
@@ -48,9 +53,38 @@ pub struct Beyond {
     pub moves_at_ulps: Option<f64>,
 }
 
-/// Holds `film`, a picture of `scene` by whatever choices, against the exact choices in `f64`: at all its pixels where
-/// they are few, else at a sample that covers it evenly (the R2 sequence of Roberts 2018). Only where `examined` are
-/// pixels beyond the bound asked for their condition, which takes a hundred times as long as their value.
+/// Largest relative error of a value rounded to `f32`.
+const HALF_AN_ULP: f64 = f32::EPSILON as f64 / 2.0;
+
+/// A pixel of the sample.
+struct Asked {
+    pixel: Beyond,
+    /// Largest channel of the reference.
+    bright: f64,
+    /// Largest weight that the reference's limits took of a channel.
+    cut: f64,
+}
+
+impl Check {
+    /// Returns true if the pixels that the reference leaves undecided are few enough for the rest to speak for the
+    /// picture: one in a hundred.
+    #[must_use]
+    pub fn can_show(&self) -> bool {
+        self.undecided * 100 <= self.asked
+    }
+
+    /// Returns true if the sample shows that the picture keeps the bound: no pixel is wrong, and those that are excused
+    /// for their condition are at most one in twenty. Below some bound every pixel in `f32` has that excuse.
+    #[must_use]
+    pub fn shows_it_kept(&self) -> bool {
+        self.wrong.is_empty() && self.ill.len() * 20 <= self.asked && self.can_show()
+    }
+}
+
+/// Holds `film`, a picture of `scene` by whatever choices, against the best reference that the scene supports
+/// ([`reference::most_exact`]): at all its pixels where they are few, else at a sample that covers it evenly (the R2
+/// sequence of Roberts 2018). Lamps with an extent and wavelengths are sampled as in the picture. Only where `examined`
+/// are pixels beyond the bound asked for their condition, which takes a hundred times as long as their value.
 ///
 /// # Errors
 /// `Interrupted`.
@@ -62,7 +96,7 @@ pub fn check(
     examined: bool,
     observer: &Observer,
 ) -> Result<Check> {
-    let exact = reference::exact(default);
+    let exact = reference::most_exact(default, scene);
     let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
     let prepared = Prepared::new(&judge, exact.fresnel);
     let condition = Condition::new(&judge, prepared, bound, observer);
@@ -71,17 +105,31 @@ pub fn check(
         if observer.stop.load(std::sync::atomic::Ordering::Relaxed) {
             return Err(crate::Error::Interrupted);
         }
-        let off = off(film.at(x, y), condition.value(x, y).map(|v| v as f32));
+        let Tally { radiance, truncated, .. } = condition.exact(x, y);
+        let off = off(film.at(x, y), radiance.as_vec3().to_array());
         let moves_at_ulps = if examined && off > bound { condition.moves_at(x, y) } else { None };
-        Ok(Beyond { x, y, off, moves_at_ulps })
+        let [bright, cut] = [radiance, truncated].map(|channels| channels.abs().max_element());
+        Ok(Asked { pixel: Beyond { x, y, off, moves_at_ulps }, bright, cut })
     };
-    let found: Vec<Beyond> = pixels.par_iter().map(ask).collect::<Result<_>>()?;
+    let found: Vec<Asked> = pixels.par_iter().map(ask).collect::<Result<_>>()?;
+    let worth = usual_brightness(&found);
+    let in_doubt = |p: &&Asked| p.pixel.off <= bound && p.bright * HALF_AN_ULP + p.cut * worth > bound;
+    let undecided = found.iter().filter(in_doubt).count();
+    let found: Vec<Beyond> = found.into_iter().map(|asked| asked.pixel).collect();
     let excused = |p: &Beyond| p.moves_at_ulps.is_some();
     let worst = found.iter().filter(|p| !excused(p)).map(|p| p.off).fold(0.0, f64::max);
     let beyond: Vec<Beyond> = found.into_iter().filter(|p| p.off > bound).collect();
     let count = beyond.len();
     let (ill, wrong) = if examined { beyond.into_iter().partition(excused) } else { Default::default() };
-    Ok(Check { asked: pixels.len(), bound, worst, beyond: count, examined, ill, wrong })
+    let reference = reference::named(&exact);
+    Ok(Check { asked: pixels.len(), reference, bound, undecided, worst, beyond: count, examined, ill, wrong })
+}
+
+/// The brightness that nineteen pixels of twenty stay within.
+fn usual_brightness(found: &[Asked]) -> f64 {
+    let mut bright: Vec<f64> = found.iter().map(|asked| asked.bright).collect();
+    bright.sort_unstable_by(f64::total_cmp);
+    bright.get(bright.len() * 19 / 20).copied().unwrap_or(0.0)
 }
 
 fn sample(width: u32, height: u32) -> Vec<(u32, u32)> {

@@ -16,10 +16,10 @@ use super::axis::{Axis, Level, Precision};
 use super::plan;
 use super::reference;
 use super::variant::Variant;
-use crate::Result;
 use crate::optics::FresnelModel;
 use crate::render::Observer;
 use crate::scene::Scene;
+use crate::{Error, Result};
 use quick::{Judged, Quick};
 
 /// Part of the wished error that the small picture may use up: it has fewer pixels to be wrong in.
@@ -121,7 +121,7 @@ struct Predicted {
 /// Finds what keeps the wish for a picture of `scene` by `threads` threads. `default` holds where an axis is in `fixed`.
 ///
 /// # Errors
-/// `Interrupted`; a limit, where the default back end is not there.
+/// `Interrupted`; a limit, where the default back end is not there; usage, where `f32` cannot hold the bound.
 pub fn choose(
     scene: &Scene,
     default: &Variant,
@@ -135,8 +135,11 @@ pub fn choose(
         Wish::MaxError(e) => e,
         Wish::Time(_) => super::errors::VISIBLE,
     };
-    let exact = reference::exact(default);
+    let exact = reference::most_exact(default, scene);
     let quick = Quick::of(scene, &exact, threads, observer)?;
+    if let Wish::MaxError(e) = wish {
+        refuse_what_f32_cannot_hold(e, quick.brightest())?;
+    }
     let mut quick = quick.judged(tolerance);
     let free: Vec<Axis> = Axis::ALL
         .into_iter()
@@ -154,7 +157,7 @@ pub fn choose(
     let mut nearest = of_base.clone();
     let (singles, _) = plan::singles(scene, &base, &free);
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
-        // The picture is held against light without polarisation, and a proof costs more than the base's own cut-off.
+        // Where a medium disperses, polarisation is not carried; and a proof costs more than the base's own cut-off.
         let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
         if polarised || (variant.proven.is_some() && base.proven.is_none()) {
             continue;
@@ -211,6 +214,20 @@ pub fn choose(
         ladder,
         kept,
     })
+}
+
+/// # Errors
+/// Usage, where the rounding of the picture's brightest value is larger than the bound.
+fn refuse_what_f32_cannot_hold(bound: f64, brightest: f64) -> Result<()> {
+    let rounding = brightest * f64::from(f32::EPSILON) / 2.0;
+    if bound >= rounding {
+        return Ok(());
+    }
+    Err(Error::Usage(format!(
+        "--max-error {bound:e}: cannot be kept: pictures hold f32 values, which rounds the brightest of this scene \
+         ({brightest:.3}) by up to {rounding:.1e}; take a bound of at least {:.0e}",
+        2.0 * rounding
+    )))
 }
 
 /// Makes the combinations that look most promising beside those in `tried`, of which the first is the base. `slower` is how

@@ -97,6 +97,14 @@ impl<'a> Quick<'a> {
     }
 }
 
+impl Quick<'_> {
+    /// The largest channel of the reference.
+    pub fn brightest(&self) -> f64 {
+        let channels = self.reference.pixels.iter().flatten().filter(|v| v.is_finite());
+        channels.fold(0.0, |most, v| f64::max(most, f64::from(v.abs())))
+    }
+}
+
 impl Judged<'_> {
     /// Columns and rows.
     pub fn size(&self) -> [u32; 2] {
