@@ -1,7 +1,11 @@
 //! Where a ray that leaves a surface starts: the place on the shape, its outward normal, and how far off it rounding
 //! can have put either the place or the shape. There is no global epsilon; the bound is that of each hit.
 
+use super::{Hit, Ray, Shape, sphere};
 use crate::math::{LaneMask, Real, Vector3, gamma};
+
+/// Above what the squared length of a plane's normal may lack ([`super::Plane::is_usable`]).
+const LACK: f64 = 1.0 / 512.0;
 
 /// A place on a surface, with the bound that keeps a new ray off it.
 #[derive(Clone, Copy, Debug)]
@@ -42,23 +46,48 @@ impl<R: Real> Spot<R> {
         Self { point, outward, reach }
     }
 
-    /// `near` pulled back onto the sphere: centre plus radius times unit normal.
+    /// The place where a ray of unit direction meets a sphere at parameter `t`: centre plus radius times unit normal.
+    ///
+    /// The bound, in unit roundoffs `u`, with `n` the normal, `c` the centre and `r` the radius. The normal's length
+    /// rounds to 4.5, which times `r` is off the surface; the product's sum with `c` and the start itself round to
+    /// 1 of `|n| |c| + r` each: `6.5 r + 2 |n| |c|`. Sideways they move the start by up to `2 |n_i| r` or `2 |c_i|` along
+    /// each axis, which is a second-order distance from the surface of at most another `2 |n| |c|`. The test of the new
+    /// ray rounds its start relative to the centre to `1 r`; the sign of its smaller root is that of a difference of
+    /// squares, of 4 roundings of `r^2` and thus `2 r`; its discriminant has 12 roundings of `r^2`, and must not be
+    /// below zero for a ray that goes inside: `6 r`. The larger one counts: `13.5 r + 4 |n| |c|`, and a little for
+    /// products of roundings.
     #[inline(always)]
     #[must_use]
-    pub fn on_sphere(centre: Vector3<R>, radius: R, near: Vector3<R>) -> Self {
-        let outward = (near - centre).normalized();
+    pub fn on_sphere(centre: Vector3<R>, radius: R, origin: Vector3<R>, dir: Vector3<R>, t: R) -> Self {
+        let outward = sphere::normal(origin, dir, centre, radius, t);
         let point = outward.fma(radius, centre);
-        let reach = outward.abs().dot(centre.abs()) * units(5) + radius * units(8);
-        Self { point, outward, reach }
+        Self { point, outward, reach: Self::off_sphere(outward, centre, radius) }
     }
 
-    /// `near` pulled back along the unit normal `axis` onto the plane through `anchor`.
+    /// The bound of [`Spot::on_sphere`] where the unit normal is `outward`.
+    #[inline(always)]
+    #[must_use]
+    pub fn off_sphere(outward: Vector3<R>, centre: Vector3<R>, radius: R) -> R {
+        outward.abs().dot(centre.abs()) * units(5) + radius * units(14)
+    }
+
+    /// The place where a ray meets the plane through `anchor`: `near` it, pulled back along the unit normal `axis`.
+    ///
+    /// It is pulled back twice, since the first time leaves roundings of the distance, which has nothing to do with how
+    /// far the plane is from the origin. The bound, in unit roundoffs, with `h` the distance of the second time, and
+    /// `n`, `p` and `a` normal, point and anchor. Rounding of `p - a` and of its products with `n`: 2 of `|n| |p - a|`;
+    /// the sum of two of the products is as large as the third, so at most half of all: `1/2`. Again as much in the test
+    /// of the new ray, and 2 of `|n| |p|` for the point and the start: 7 of `|n| (|p| + |a|)` in all. To that comes what
+    /// is left of `h`: 5 roundings, and what the squared length of `n`, which is not quite 1, lacks: up to a 1000th.
     #[inline(always)]
     #[must_use]
     pub fn on_plane(anchor: Vector3<R>, axis: Vector3<R>, near: Vector3<R>) -> Self {
-        let height = (near - anchor).dot(axis);
-        let point = axis.fma(-height, near);
-        let reach = axis.abs().dot(point.abs() + anchor.abs()) * units(9);
+        let height = |p: Vector3<R>| (p - anchor).dot(axis);
+        let once = axis.fma(-height(near), near);
+        let left = height(once);
+        let point = axis.fma(-left, once);
+        let spread = axis.abs().dot(point.abs() + anchor.abs());
+        let reach = left.abs().fma(R::splat(LACK), spread * units(9));
         Self { point, outward: axis, reach }
     }
 
@@ -67,6 +96,21 @@ impl<R: Real> Spot<R> {
     #[must_use]
     pub fn leave(&self, towards: Vector3<R>) -> Vector3<R> {
         towards.fma(self.reach, self.point)
+    }
+}
+
+impl Spot<f32> {
+    /// The place on `shape` where `ray`, of unit direction, has met it in `hit`.
+    #[must_use]
+    pub fn at(shape: &Shape, ray: &Ray, hit: &Hit) -> Self {
+        let (origin, dir) = (Vector3::from(ray.origin), Vector3::from(ray.dir));
+        match shape {
+            Shape::Mesh(mesh) => {
+                Self::on_triangle(mesh.corners(hit.primitive as usize).map(Vector3::from), hit.u, hit.v)
+            }
+            Shape::Sphere(s) => Self::on_sphere(s.centre.into(), s.radius, origin, dir, hit.t),
+            Shape::Plane(p) => Self::on_plane(p.point.into(), p.normal.into(), dir.fma(hit.t, origin)),
+        }
     }
 }
 
@@ -94,11 +138,14 @@ fn units<R: Real>(n: u32) -> R {
 }
 
 #[cfg(test)]
+mod exponents;
+
+#[cfg(test)]
 mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::geometry::{Ray, triangle};
+    use crate::geometry::triangle;
 
     /// RT-15, RT-16, SI-04: over places up to 1e6 and triangles up to a thousand times longer than high, the point lies
     /// on the triangle's plane well within `reach`, and the normal is as right as corners of that rounding let it be.

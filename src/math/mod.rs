@@ -10,6 +10,7 @@ mod vector;
 
 pub(crate) use elementary::SQRT_HALF_BITS;
 pub use elementary::{Binary32, exp, pow};
+pub(crate) use real::{EXPONENT_BITS, INVERSE_BITS};
 pub use real::{FUSED, LaneMask, Real};
 pub use trigonometry::{acos, asin, sin_cos};
 pub use ulp::{next_down, next_up, ulp};

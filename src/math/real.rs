@@ -7,6 +7,12 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 /// without it an `f32` `fma` rounds twice, on one lane and on eight alike, and the bounds that rest on it are weaker.
 pub const FUSED: bool = cfg!(target_feature = "fma");
 
+/// Where an `f32` has its exponent.
+pub(crate) const EXPONENT_BITS: u32 = 0x7f80_0000;
+
+/// The bits of a power of two and those of its inverse add up to this.
+pub(crate) const INVERSE_BITS: u32 = 254 << 23;
+
 /// The answer of a comparison: one truth value for a scalar, eight for eight lanes.
 pub trait LaneMask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// The same truth value in every lane.
@@ -53,6 +59,9 @@ pub trait Real:
     fn splat(x: f64) -> Self;
     /// `x` as the sum of a nearest number and what it misses, so that twice the digits of `f32` survive.
     fn split(x: f64) -> (Self, Self);
+    /// The largest power of two that is not above `self`, and one over it, for normal numbers of at most 2^126. A product
+    /// with either is exact as long as it stays in range.
+    fn power_of_two(self) -> (Self, Self);
     /// `self * b + c`; rounded once where [`FUSED`] says so (in `f64` always).
     fn fma(self, b: Self, c: Self) -> Self;
     /// Correctly rounded square root; NaN below zero.
@@ -148,6 +157,11 @@ impl Real for f32 {
         (high, (x - f64::from(high)) as f32)
     }
     #[inline(always)]
+    fn power_of_two(self) -> (Self, Self) {
+        let bits = self.to_bits() & EXPONENT_BITS;
+        (f32::from_bits(bits), f32::from_bits(INVERSE_BITS.wrapping_sub(bits)))
+    }
+    #[inline(always)]
     fn fma(self, b: Self, c: Self) -> Self {
         // `f32::mul_add` without the CPU feature is a correct but slow library call that `wide` does not make;
         // both sides round twice there, so that they still agree to the bit.
@@ -217,6 +231,11 @@ impl Real for f64 {
     #[inline(always)]
     fn split(x: f64) -> (Self, Self) {
         (x, 0.0)
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> (Self, Self) {
+        let bits = self.to_bits() & (0x7ff << 52);
+        (f64::from_bits(bits), f64::from_bits((0x7fe_u64 << 52).wrapping_sub(bits)))
     }
     #[inline(always)]
     fn fma(self, b: Self, c: Self) -> Self {

@@ -239,8 +239,9 @@ fn nearest(lamp: DVec3, shape: &Shape) -> f64 {
     }
 }
 
-/// What a start lies off a sphere or a plane at most, in proportion to its coordinates: `geometry::Spot` has 9 roundings.
-const OFF: f64 = 1e-6;
+/// What a start lies off a sphere or a plane at most, in proportion to its coordinates: `geometry::Spot` has 14 roundings,
+/// and the place itself is off by as many again at worst.
+const OFF: f64 = 2e-6;
 
 /// How far off triangle `i` the start of a ray may lie. The bound of `geometry::Spot` is largest at a corner.
 fn most_reach(mesh: &TriMesh, i: usize) -> f64 {

@@ -301,7 +301,7 @@ impl Place {
             }
         }
 
-        let on_sphere = || Spot::on_sphere(anchor, radius, dir.fma(t, origin));
+        let on_sphere = || Spot::on_sphere(anchor, radius, origin, dir, t);
         let on_plane = || Spot::on_plane(anchor, axis, dir.fma(t, origin));
         let mut place = Self::flat(if MESHES {
             Spot::on_triangle(corners, u, v)

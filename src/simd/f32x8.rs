@@ -122,6 +122,12 @@ impl Real for F32x8 {
         (Self::from(high), Self::from(low))
     }
     #[inline(always)]
+    fn power_of_two(self) -> (Self, Self) {
+        let bits: wide::i32x8 = bytemuck::cast(self.0);
+        let bits = bits & wide::i32x8::splat(math::EXPONENT_BITS as i32);
+        (Self(bytemuck::cast(bits)), Self(bytemuck::cast(wide::i32x8::splat(math::INVERSE_BITS as i32) - bits)))
+    }
+    #[inline(always)]
     fn fma(self, b: Self, c: Self) -> Self {
         // `wide` fuses exactly where `math::FUSED` is true, and rounds twice elsewhere, as the scalar twin does.
         Self(self.0.mul_add(b.0, c.0))
@@ -343,6 +349,8 @@ mod tests {
         check("sqrt", |a, _| Real::sqrt(a), |a, _| f32::sqrt(a));
         check("fma", |a, b| a.fma(b, a), |a, b| a.fma(b, a));
         check("select", |a, b| Real::select(a.lt(b), a, b), |a, b| if a < b { a } else { b });
+        check("power_of_two", |a, _| a.power_of_two().0, |a, _| a.power_of_two().0);
+        check("its inverse", |a, _| a.power_of_two().1, |a, _| a.power_of_two().1);
         check("exp", |a, _| Real::exp(a), |a, _| Real::exp(a));
         check("asin", |a, _| Real::asin(a), |a, _| Real::asin(a));
         check("acos", |a, _| Real::acos(a), |a, _| Real::acos(a));

@@ -11,6 +11,7 @@ mod build;
 mod camera_and_lights;
 mod fresnel;
 mod lanes;
+mod magnitudes;
 mod parity;
 mod reflection;
 mod refraction;

@@ -9,7 +9,7 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use super::primitive::{Form, Primitive, Probe};
+use super::primitive::{Form, Primitive, Probe, moment};
 use crate::math::{UNIT_ROUNDOFF, ulp};
 
 /// Roundings by `f32` that a point may suffer, relative to `reach`.
@@ -136,7 +136,7 @@ fn sphere(id: (u32, u32, u32), probe: &Probe, centre: DVec3, radius: f64) -> Arr
     let from_centre = ray.origin - centre;
     let length = ray.dir.length();
     let middle = -from_centre.dot(ray.dir) / (length * length);
-    let nearest = (from_centre + ray.dir * middle).length();
+    let nearest = moment(ray, from_centre) / length;
     let reach = from_centre.abs().max_element() + radius;
     let edge = Margin { distance: (radius - nearest).abs(), bound: SLIP * reach };
     let half_chord = ((radius - nearest) * (radius + nearest)).max(0.0).sqrt();

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 
 use super::{Hit64, Ray64};
 use crate::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere};
+use crate::math::Vector3;
 
 /// One thing that can be hit.
 #[derive(Clone, Copy, Debug)]
@@ -97,20 +98,26 @@ fn plane_form(plane: &Plane) -> Option<Form> {
     plane.is_usable().then(form)
 }
 
-/// Both roots in ascending order, by the form that neither cancels in the discriminant nor in the nearer root
-/// (Haines, Guenther & Akenine-Moeller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems, 2019).
+/// Distance of `ray`'s line from a point `from_centre` before its origin, times the length of its direction. The products
+/// are compensated, so that it keeps its digits from any distance.
+pub(super) fn moment(ray: &Ray64, from_centre: DVec3) -> f64 {
+    Vector3::from(from_centre).cross(ray.dir.into()).length()
+}
+
+/// Both roots in ascending order. The discriminant comes from the moment of the line and the smaller root from the
+/// larger, so that neither cancels.
 fn sphere_roots(ray: &Ray64, centre: DVec3, radius: f64) -> Option<[f64; 2]> {
     let from_centre = ray.origin - centre;
     let a = ray.dir.length_squared();
     let b = -from_centre.dot(ray.dir);
-    let nearest = from_centre + ray.dir * (b / a);
-    let below = (radius - nearest.length()) * (radius + nearest.length());
+    let (aside, most) = (moment(ray, from_centre), radius * a.sqrt());
+    let below = (most - aside) * (most + aside);
     if below < 0.0 {
         return None;
     }
     let far_from_centre = from_centre.length();
     let c = (far_from_centre - radius) * (far_from_centre + radius);
-    let q = b + (a * below).sqrt().copysign(b);
+    let q = b + below.sqrt().copysign(b);
     if q == 0.0 {
         return Some([0.0, 0.0]);
     }

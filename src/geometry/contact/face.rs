@@ -132,7 +132,9 @@ impl Face {
             Form::Plane { point: anchor, normal } => {
                 Spot::<f64>::on_plane(anchor.into(), normal.into(), point.into()).reach
             }
-            Form::Sphere { centre, radius } => Spot::<f64>::on_sphere(centre.into(), radius, point.into()).reach,
+            Form::Sphere { centre, radius } => {
+                Spot::<f64>::off_sphere(self.outward(point).into(), centre.into(), radius)
+            }
         }
     }
 

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::accel::reference::{Hit64, Ray64, Reference};
 use crate::geometry::Shape;
 use crate::geometry::contact::Face;
+use crate::geometry::sphere::normal;
 use crate::scene::Scene;
 
 /// Bound on the distance between a computed point and its surface, plus that between the surface and what the next
@@ -61,7 +62,8 @@ impl Surface {
             Shape::Sphere(sphere) => {
                 let centre = sphere.centre.as_dvec3();
                 let radius = f64::from(sphere.radius);
-                let outward = (ray.at(hit.t) - centre).normalize();
+                let outward = normal(ray.origin.into(), ray.dir.into(), centre.into(), radius, hit.t);
+                let outward = DVec3::from(outward);
                 Self {
                     point: centre + outward * radius,
                     clearance: clearance([centre.abs() + radius]),
@@ -72,9 +74,13 @@ impl Surface {
             }
             Shape::Plane(plane) => {
                 let (outward, foot) = (plane.normal.as_dvec3().normalize(), plane.point.as_dvec3());
-                let point = ray.at(hit.t);
-                let point = point - outward * outward.dot(point - foot);
-                Self { point, clearance: clearance([point, foot]), outward, interpolated: None, uv: DVec2::ZERO }
+                let near = ray.at(hit.t);
+                let once = near - outward * outward.dot(near - foot);
+                // The first time leaves roundings of the ray's length, which may be large against the place.
+                let left = outward.dot(once - foot);
+                let point = once - outward * left;
+                let clearance = clearance([point, foot, DVec3::splat(left)]);
+                Self { point, clearance, outward, interpolated: None, uv: DVec2::ZERO }
             }
         }
     }

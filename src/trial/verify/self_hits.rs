@@ -8,7 +8,7 @@ use super::sample::Rng;
 use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
-use crate::geometry::{Geometry, GeometryMask, Hit, Ray, Shape, Sphere, Spot};
+use crate::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, Spot};
 use crate::math::Vector3;
 use crate::optics::{Boundary, reflect};
 
@@ -30,6 +30,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i:
     let ball = Sphere { centre: pair.centre.as_vec3(), radius: pair.half.max_element() as f32 };
     geometry[0].shape = Shape::Sphere(ball);
     leave(candidate, &geometry, pair, wanted / 4, &mut rng, &mut tally)?;
+    planes(candidate, pair, &mut rng, &mut tally)?;
     plates(candidate, pair, &mut rng, &mut tally)?;
     Ok(tally)
 }
@@ -53,19 +54,9 @@ pub(super) struct Leaving {
     outside: bool,
 }
 
-/// Where `ray` met `hit`, as the renderer has it.
-pub(super) fn spot(geometry: &[Geometry], ray: &Ray, hit: &Hit) -> Spot<f32> {
-    let near = || Vector3::from(ray.dir).fma(hit.t, ray.origin.into());
-    match &geometry[hit.geometry as usize].shape {
-        Shape::Mesh(mesh) => Spot::on_triangle(mesh.corners(hit.primitive as usize).map(Vector3::from), hit.u, hit.v),
-        Shape::Sphere(s) => Spot::on_sphere(s.centre.into(), s.radius, near()),
-        Shape::Plane(p) => Spot::on_plane(p.point.into(), p.normal.into(), near()),
-    }
-}
-
 /// The three rays that may leave where `ray`, of unit direction, met `hit`.
 pub(super) fn leaving(geometry: &[Geometry], ray: &Ray, hit: &Hit, rng: &mut Rng) -> Vec<Leaving> {
-    let spot = spot(geometry, ray, hit);
+    let spot = Spot::at(&geometry[hit.geometry as usize].shape, ray, hit);
     let incident = Vector3::from(ray.dir);
     if !(spot.reach.is_finite() && spot.outward.x.is_finite()) {
         // A triangle without area has no side to leave by.
@@ -178,6 +169,44 @@ fn arriving(rng: &mut Rng, pair: &Pair, k: usize) -> Ray {
     Ray::new(from.as_vec3(), (target - from).normalize().as_vec3())
 }
 
+/// Infinite planes along an axis and tilted, through the place of `pair` and through the origin or next to it, at heights
+/// of all exponents: what leaves a plane on either side meets nothing.
+fn planes<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut Tally) -> Result<()> {
+    let mut scratch = <C::Accel as Intersector>::Scratch::default();
+    let size = pair.half.max_element();
+    for k in 0..8 {
+        let normal = if k % 2 == 0 { Vec3::AXES[rng.below(3)] } else { rng.direction().as_vec3().normalize() };
+        let height = if k < 2 { 0.0 } else { size * 10.0_f64.powf(rng.between(-42.0, 0.0)) };
+        let anchor = if k < 6 { DVec3::ZERO } else { pair.centre };
+        let point = (anchor + normal.as_dvec3() * height).as_vec3();
+        let shape = Shape::Plane(Plane { point, normal });
+        let geometry = [Geometry { shape, mask: GeometryMask::OPAQUE }];
+        let ways = candidate.build(&geometry)?;
+        let arriving: Vec<Ray> = (0..32)
+            .map(|_| {
+                let target = point.as_dvec3() + rng.point() * size;
+                let from = target + rng.direction() * (size * 10.0_f64.powf(rng.between(-1.0, 5.0)));
+                Ray::new(from.as_vec3(), (target - from).normalize().as_vec3())
+            })
+            .collect();
+        for way in &ways {
+            let hits = way.closest(&arriving, &mut scratch);
+            let met = arriving.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
+            let left: Vec<Leaving> = met.flat_map(|(ray, hit)| leaving(&geometry, ray, hit, rng)).collect();
+            let rays: Vec<Ray> = left.iter().map(|l| l.ray).collect();
+            for (l, hit) in left.iter().zip(way.closest(&rays, &mut scratch)) {
+                tally.check(!hit.is_hit(), || {
+                    format!(
+                        "{}: {:?} ray meets the plane it leaves, {normal} at {point}: {:?}",
+                        way.name, l.sent, l.ray
+                    )
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Two parallel plates a few bounds apart, at the scale and place of `pair`: what leaves the one towards the other
 /// meets it.
 fn plates<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut Tally) -> Result<()> {
@@ -221,7 +250,7 @@ fn plates<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut T
                     .zip(&hits)
                     .filter(|(_, hit)| hit.is_hit())
                     .map(|(ray, hit)| {
-                        let spot = spot(&geometry, ray, hit);
+                        let spot = Spot::at(&geometry[hit.geometry as usize].shape, ray, hit);
                         let outward = Vec3::from(spot.outward);
                         let down = if ray.dir.dot(outward) > 0.0 { outward } else { -outward };
                         Ray::new(spot.leave(down.into()).into(), ray.dir)

@@ -34,6 +34,22 @@ fn a_sphere_is_met_on_both_sides_and_from_within() {
     assert!((off_axis.t - 6.4).abs() < 1e-14, "{}", off_axis.t);
 }
 
+/// A parameter that is no number moves the foot of the centre along the ray, by far more than the radius here.
+#[test]
+fn a_sphere_keeps_its_outline_from_any_distance() {
+    for radius in [1e-12_f32, 1e-20, 1e-30] {
+        let world = Reference::build(&[sphere(Vec3::ZERO, radius)]);
+        let from =
+            |y: f64| DVec3::new(3.0 * (1.0 + 2_f64.powi(-10)), y * f64::from(radius), 4.0 * (1.0 + 2_f64.powi(-10)));
+        let ray = |y| Ray64::new(from(y), DVec3::new(-15.0, 0.0, -20.0));
+        for y in [0.0, 0.5, -0.999] {
+            let hit = world.closest(&ray(y));
+            assert!((hit.t - 0.2 * (1.0 + 2_f64.powi(-10))).abs() < 1e-11, "{radius}, {y}: {hit:?}");
+        }
+        assert!(!world.occluded(&ray(1.001)) && !world.occluded(&ray(-1.001)), "{radius}");
+    }
+}
+
 #[test]
 fn a_plane_is_met_from_both_sides_and_not_along_itself() {
     let world = Reference::build(&[plane(Vec3::new(7.0, 1.0, 9.0), Vec3::Y)]);
