@@ -312,7 +312,7 @@ fn a_time_budget_takes_the_most_accurate_that_fits_or_the_fastest() {
     let (summary, log, _) = budget(&study.scene(), &["--time-budget", "1h", "--bvh", "fast"]);
     assert!(summary["budget"]["kept"] == true && log.contains("in time"), "{log}");
     assert!(summary["budget"]["options"].as_str().unwrap().ends_with(" --bvh fast"), "{summary}");
-    assert_eq!(summary["picture"]["fresnel"], "exact");
+    assert_eq!(summary["picture"]["fresnel"], "polarised");
     let (summary, log, _) = budget(&study.scene(), &["--time-budget", "0.001ms"]);
     assert!(summary["budget"]["kept"] == false && log.contains("nothing fits"), "{log}");
     // To ask each pixel for its condition would take far longer than the budget.

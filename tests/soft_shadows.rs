@@ -183,7 +183,7 @@ fn one_large_triangle_makes_a_core_shadow_without_a_shadow_ray() {
         let black = material(&mut scene, Material::black("cover"));
         add(&mut scene, vitrum::geometry::Shape::Mesh(mesh), black);
         scene.lights = vec![lamp(kind, Falloff::InverseSquare)];
-        shafts_change_nothing("a cover", &scene, 0.3);
+        shafts_change_nothing("a cover", &scene, 0.2);
     }
 }
 
