@@ -13,8 +13,8 @@ use crate::image::{self, Encoding, Film};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::Observer;
 use crate::scene::Scene;
-use crate::study::Spheres;
 use crate::study::spheres::with_spheres;
+use crate::study::{Axis, Spheres};
 use crate::{Error, Result};
 
 /// Loads, renders, writes and reports.
@@ -30,6 +30,7 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     let load_time = start.elapsed();
 
     backend::start_threads(&job.options)?;
+    job.backend = backend::fit_for(&scene, job.backend, job.fixed.contains(&Axis::Backend), job.quiet)?;
     let (mut traced, spent) = match job.wish {
         Some(wish) => {
             let (traced, spent) = budget::render(&mut job, &mut scene, wish, &observer)?;

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use super::report::Reporter;
 use super::source::Root;
-use super::topology::{Edges, weld};
+use super::topology::{self, Edges, weld};
 use super::{LoadOptions, Loaded, texture};
-use crate::geometry::{Geometry, GeometryMask, Shape};
+use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
+use crate::system::memory;
 use crate::{Error, Result};
 
 /// A scene in the making, with what its parts share.
@@ -102,7 +103,7 @@ impl<'a> Assembly<'a> {
         let pictured = matches!(surface.diffuse, Colour::Image { .. });
         let file = PathBuf::from(&origin.file);
         if let (Shape::Mesh(mesh), true) = (&shape, dielectric)
-            && let Some((edges, triangle)) = Edges::new(&mesh.triangles, &weld(&mesh.positions)).open()
+            && let Some((edges, triangle)) = open_edges(&name, mesh)?
         {
             let line = origin.triangle_lines.get(triangle as usize).copied().unwrap_or(origin.line);
             let kind = format!(
@@ -129,4 +130,10 @@ impl<'a> Assembly<'a> {
     pub(super) fn finish(self) -> Loaded {
         Loaded { scene: self.scene, report: self.reporter.finish() }
     }
+}
+
+/// The number of open edges of a mesh, and a triangle at one of them; none where it is closed.
+fn open_edges(name: &str, mesh: &TriMesh) -> Result<Option<(usize, u32)>> {
+    memory::need(&format!("the edges of `{name}`"), topology::bytes(mesh), "take fewer triangles")?;
+    Ok(Edges::new(&mesh.triangles, &weld(&mesh.positions)).open())
 }

@@ -42,6 +42,7 @@ pub use class::{SharedShading, shared_shading};
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
 pub use pattern::FilmRay;
+pub use room::need;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -49,6 +50,7 @@ use crate::accel::Intersector;
 use crate::effects::{self, Reach};
 use crate::image::Film;
 use crate::scene::Scene;
+use crate::system::threads;
 use crate::{Error, Result};
 use stages::Stages;
 use tile::Tile;
@@ -73,7 +75,6 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let scene = &*effects::without(scene, options.effects.without);
     let tolls = Ceiling::asked(scene, options)?;
     let settings = &scene.settings;
-    room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     let eye_media = eye::media_around(scene, accel);
     let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
@@ -92,14 +93,12 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         Ok((results, Tally::of(&worker)))
     };
 
-    let threads = options.thread_count().min(tiles.len());
+    let count = options.thread_count().min(tiles.len());
+    threads::need(count - 1)?;
+    room::need_with(settings, count)?;
     let parts: Vec<_> = std::thread::scope(|scope| {
-        let spawned: Result<Vec<_>> = (1..threads)
-            .map(|_| {
-                std::thread::Builder::new().spawn_scoped(scope, work).map_err(|e| {
-                    Error::Limit(format!("cannot start {threads} threads: {e}; ask for fewer with --threads"))
-                })
-            })
+        let spawned: Result<Vec<_>> = (1..count)
+            .map(|_| threads::worker().spawn_scoped(scope, work).map_err(|e| threads::refused(count, &e)))
             .collect();
         if spawned.is_err() {
             observer.stop.store(true, Ordering::Relaxed);

@@ -31,9 +31,12 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     let options = render::Options { threads: job.threads, ..render::Options::default() };
     backend::start_threads(&options)?;
 
+    // Twice: for the rays, and for the pictures.
+    Reference::need(&scene.geometry)?;
     let reference = Reference::build(&scene.geometry);
-    let contenders = Contenders::build(&scene, job.bvh, options.thread_count());
+    let contenders = Contenders::build(&scene, job.bvh, options.thread_count())?;
     let sets = sets(&reference, &scene.geometry, &view::of(&scene), job.rays);
+    Reference::need(&scene.geometry)?;
     let prepared = Prepared::new(&scene, FresnelModel::Exact);
 
     let rays: usize = sets.iter().map(|set| set.rays.len()).sum();
