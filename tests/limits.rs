@@ -104,8 +104,10 @@ fn scenes() -> (TempDir, Vec<String>) {
     write("a.obj", model(150).as_bytes());
     let mut scenes: Vec<String> =
         ["ball.toml", "fine.toml", "waves.toml", "smooth.toml", "a.obj"].map(String::from).into();
-    let film = Film::new(1200, 1200);
     for (i, (name, format)) in PICTURES.into_iter().enumerate() {
+        // The one that is not packed is quick to make, and may be large.
+        let edge = if format == Format::Pfm { 1200 } else { 500 };
+        let film = Film::new(edge, edge);
         let encoding = Encoding { format, bits: Bits::Eight, metadata: Vec::new() };
         write(name, &encode(&film, &encoding).unwrap().bytes);
         let scene = format!("picture{i}.toml");
@@ -223,7 +225,8 @@ fn a_limit_names_what_was_too_large_what_it_needs_what_is_left_and_what_helps() 
         4,
         &["p3.pfm", "MiB of memory needed", "ulimit -v", "take a smaller"],
     );
-    refused(&at("ulimit -v 40000", "a.obj"), 4, &["MiB of memory needed", "left"]);
+    fs::write(folder.path().join("large.obj"), model(400)).unwrap();
+    refused(&at("ulimit -v 60000", "large.obj"), 4, &["large.obj", "MiB of memory needed", "left", "take a smaller"]);
     refused(
         &at("ulimit -d 100000", "ball.toml --width 3000 --height 3000"),
         4,
