@@ -52,6 +52,7 @@ pub mod render;
 pub mod scene;
 pub mod simd;
 pub mod study;
+pub mod system;
 pub mod trial;
 
 pub use error::{Error, Result};

@@ -346,7 +346,7 @@ fn shapes_as_far_out_as_is_allowed_are_hit() {
     let down = Ray::new(Vec3::new(-4e8, -4e8, 0.0), Vec3::NEG_Z);
     for shape in [wall, huge] {
         for isa in [Isa::Best, Isa::Avx2] {
-            let options = Options { isa, ..Options::default() };
+            let options = Options { isa, even_lost: true, ..Options::default() };
             if Embree::build(&[], &options).is_err() {
                 continue;
             }
@@ -354,6 +354,52 @@ fn shapes_as_far_out_as_is_allowed_are_hit() {
             let stats = accel.build_stats();
             assert_eq!((stats.triangles + stats.spheres, stats.dropped), (1, 0));
             assert!(one(&accel, &down).is_hit(), "{:?} {isa:?}", shape.shape);
+        }
+    }
+}
+
+/// A tessellated ball around the origin, and rays at it from three and from thirty radii away.
+fn far_ball(radius: f32) -> (Geometry, Vec<Ray>) {
+    let mut mesh = vitrum::load::shapes::sphere(12);
+    mesh.positions.iter_mut().for_each(|p| *p *= radius);
+    let mut random = Random(7);
+    let mut point = || Vec3::new(random.next() - 0.5, random.next() - 0.5, random.next() - 0.5);
+    let rays = (0..200).map(|i| {
+        let from = point().normalize() * [3.0, 30.0][i % 2];
+        Ray::new(from * radius, (point() - from).normalize())
+    });
+    let rays = rays.collect();
+    (Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::ALL }, rays)
+}
+
+#[test]
+fn what_embree_would_lose_is_refused_and_nothing_else_is_lost() {
+    if library("sizes").is_none() {
+        return;
+    }
+    let hits = |radius: f32, options: &Options| {
+        let (ball, rays) = far_ball(radius);
+        let hits = trace(&build(std::slice::from_ref(&ball), options), &rays, Coherence::Incoherent).0;
+        // What is met lies near the ball's surface.
+        let near = |(hit, ray): (&Hit, &Ray)| {
+            let place = ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(hit.t);
+            hit.is_hit() && (place.length() / f64::from(radius) - 1.0).abs() < 0.1
+        };
+        hits.iter().zip(&rays).filter(|&pair| near(pair)).count()
+    };
+    for mode in [Mode::Robust, Mode::Fast] {
+        let options = Options { mode, ..Options::default() };
+        for radius in [1e-12, 1e-9, 1.0, 1e6, 1e9, 9.9e11] {
+            assert_eq!(hits(radius, &options), 200, "{radius:e} {mode:?}");
+        }
+        for radius in [1e-15, 1e-13, 1.1e12, 1e14, 1e17] {
+            let refused = Embree::build(&[far_ball(radius).0], &options).err().unwrap();
+            assert_eq!(refused.exit_code(), 4);
+            assert!(refused.to_string().contains("shape 1") && refused.to_string().contains("native"), "{refused}");
+        }
+        // The reason for all this. Once it no longer holds, the refusal can go.
+        for radius in [1e-16, 1e14] {
+            assert_eq!(hits(radius, &Options { even_lost: true, ..options.clone() }), 0, "{radius:e} {mode:?}");
         }
     }
 }

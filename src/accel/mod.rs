@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use crate::geometry::{Hit8, Ray8};
+use crate::geometry::{Geometry, Hit8, Ray8, Shape};
 use crate::simd::Mask8;
 
 #[cfg(feature = "embree")]
@@ -52,6 +52,41 @@ impl BuildQuality {
             Self::Default => "default",
             Self::High => "high",
         }
+    }
+}
+
+/// Numbers of shapes, for messages about hierarchies that are too large.
+#[derive(Clone, Copy, Debug)]
+struct Counts {
+    triangles: usize,
+    spheres: usize,
+}
+
+impl Counts {
+    fn of(geometry: &[Geometry]) -> Self {
+        let mut counts = Self { triangles: 0, spheres: 0 };
+        for g in geometry {
+            match &g.shape {
+                Shape::Mesh(mesh) => counts.triangles += mesh.triangles.len(),
+                Shape::Sphere(_) => counts.spheres += 1,
+                Shape::Plane(_) => {}
+            }
+        }
+        counts
+    }
+
+    /// `what` and the numbers.
+    fn named(self, what: &str) -> String {
+        let Self { triangles, spheres } = self;
+        match (triangles, spheres) {
+            (_, 0) => format!("{what} {triangles} triangles"),
+            (0, _) => format!("{what} {spheres} spheres"),
+            _ => format!("{what} {triangles} triangles and {spheres} spheres"),
+        }
+    }
+
+    fn cure(self) -> &'static str {
+        if self.triangles >= self.spheres { "take fewer triangles" } else { "take fewer spheres" }
     }
 }
 

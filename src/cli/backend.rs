@@ -4,12 +4,17 @@ use std::time::{Duration, Instant};
 
 use super::args::BackendArg;
 use super::interrupt;
+#[cfg(feature = "embree")]
+use super::output;
+#[cfg(not(feature = "embree"))]
+use crate::Error;
+use crate::Result;
 use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
-use crate::{Error, Result};
+use crate::system::threads;
 
 /// What traces rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +90,44 @@ impl Backend {
     }
 }
 
+/// The back end for `scene`: `backend`, or native where that is Embree, which was not asked for, and the scene reaches
+/// beyond what Embree finds.
+///
+/// # Errors
+/// A limit, where it was asked for. The message names the object.
+#[cfg(feature = "embree")]
+pub(super) fn fit_for(scene: &Scene, backend: Backend, asked_for: bool, quiet: bool) -> Result<Backend> {
+    use crate::accel::embree::reach::{self, Lost};
+    let Backend::Embree(_) = backend else { return Ok(backend) };
+    let Some(Lost { shape, why }) = reach::lost(&scene.geometry) else { return Ok(backend) };
+    let object = &scene.objects[shape];
+    let place = match (object.origin.file.as_str(), object.origin.line) {
+        ("", _) => String::new(),
+        (file, 0) => format!("{file}: "),
+        (file, line) => format!("{file}:{line}: "),
+    };
+    let what = format!("{place}`{}` {why}", object.name);
+    if asked_for {
+        return Err(crate::Error::Limit(format!("{what}; scale the scene or take --backend native")));
+    }
+    if !quiet {
+        output::log(&format!(
+            "warning: {what}; rendering with the native back end instead; give --backend native to leave out this warning"
+        ));
+    }
+    Ok(Backend::Native)
+}
+
+/// The back end for a scene: without Embree, the one that was chosen.
+///
+/// # Errors
+/// None.
+#[cfg(not(feature = "embree"))]
+#[allow(clippy::unnecessary_wraps)]
+pub(super) fn fit_for(_: &Scene, backend: Backend, _: bool, _: bool) -> Result<Backend> {
+    Ok(backend)
+}
+
 /// A picture and what it took.
 pub(super) struct Traced {
     pub outcome: Outcome,
@@ -103,10 +146,7 @@ pub(super) struct Traced {
 /// # Errors
 /// A limit, where they cannot be started.
 pub(super) fn start_threads(options: &Options) -> Result<()> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(options.thread_count())
-        .build_global()
-        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.thread_count())))
+    threads::start_global_pool(options.thread_count())
 }
 
 /// Builds what `backend` needs and renders.
@@ -120,11 +160,13 @@ pub(super) fn trace(
     options: &Options,
     observer: &Observer,
 ) -> Result<Traced> {
+    // Before the work of building.
+    render::need(&scene.settings)?;
     let start = Instant::now();
     match backend {
-        Backend::Native => Ok(with(Native::build_as(&scene.geometry, bvh), start, scene, options, observer)?.0),
+        Backend::Native => Ok(with(Native::try_build_as(&scene.geometry, bvh)?, start, scene, options, observer)?.0),
         Backend::Walk(triangles, reciprocal) => {
-            let walk = Walk::build(&scene.geometry, bvh, triangles, reciprocal);
+            let walk = Walk::try_build(&scene.geometry, bvh, triangles, reciprocal)?;
             let (traced, accel) = with(walk, start, scene, options, observer)?;
             Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
         }

@@ -11,6 +11,7 @@ use std::time::Duration;
 use super::output;
 use crate::image::discard_unfinished;
 use crate::render::Observer;
+use crate::system::threads;
 use crate::{Error, Result};
 
 /// How long the program may take to end by itself.
@@ -33,14 +34,25 @@ pub(super) fn listen(observer: &Arc<Observer>) -> Result<()> {
         if again || !HEEDED.load(Ordering::SeqCst) {
             leave();
         }
-        thread::spawn(|| {
+        let waiting = threads::worker().spawn(|| {
             thread::sleep(PATIENCE);
             if !WAIT.load(Ordering::SeqCst) {
                 leave();
             }
         });
+        if waiting.is_err() {
+            leave();
+        }
     };
     ctrlc::set_handler(on_signal).map_err(|e| Error::Limit(format!("cannot listen for Ctrl-C: {e}")))
+}
+
+/// Has a write beyond the limit on file sizes (`ulimit -f`) fail, where the system's signal for it (SIGXFSZ) would end the
+/// program.
+pub(super) fn survive_large_files() {
+    // A handler that does nothing but set a flag, which nobody reads. Without it the signal stays deadly, no worse.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
 /// Runs `work`, which looks at [`Observer::stop`].

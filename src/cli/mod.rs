@@ -20,6 +20,7 @@ mod render;
 mod summary;
 mod table;
 mod unmatched;
+mod usage;
 mod verify;
 mod view;
 mod warnings;
@@ -27,8 +28,10 @@ mod warnings;
 use std::process::ExitCode;
 
 use clap::Parser as _;
+use clap::error::ErrorKind;
 
-use crate::Result;
+use crate::system::threads;
+use crate::{Error, Result};
 use args::{Cli, Command};
 
 /// How a command that met no error ended.
@@ -40,26 +43,40 @@ enum Verdict {
     Negative,
 }
 
-/// Runs the program on the process's own arguments. An error is one line on standard error; the exit code is
+/// Runs the program on the process's own arguments, on a thread of its own. An error is one line on standard error; the exit code is
 /// [`crate::Error::exit_code`].
 #[must_use]
 pub fn main() -> ExitCode {
+    threads::on_own_stack(command).unwrap_or_else(|e| failed(&e))
+}
+
+fn command() -> ExitCode {
+    interrupt::survive_large_files();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Also the way of `--help` and `--version`, whose reader may have gone.
-            let _ = e.print();
+            match e.kind() {
+                // Their reader may have gone.
+                ErrorKind::DisplayHelp
+                | ErrorKind::DisplayVersion
+                | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+                    let _ = e.print();
+                }
+                _ => output::log(&output::one_line(&usage::one_line(&e))),
+            }
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
         }
     };
     match run(cli) {
         Ok(Verdict::Done) => ExitCode::SUCCESS,
         Ok(Verdict::Negative) => ExitCode::from(1),
-        Err(e) => {
-            output::log(&format!("error: {}", output::one_line(&e.to_string())));
-            ExitCode::from(e.exit_code())
-        }
+        Err(e) => failed(&e),
     }
+}
+
+fn failed(e: &Error) -> ExitCode {
+    output::log(&format!("error: {}", output::one_line(&e.to_string())));
+    ExitCode::from(e.exit_code())
 }
 
 fn run(cli: Cli) -> Result<Verdict> {

@@ -7,6 +7,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::render::Observer;
+use crate::system::threads;
 
 /// Between two looks at the counter.
 const TICK: Duration = Duration::from_millis(100);
@@ -22,15 +23,16 @@ pub(super) fn follow<T>(observer: &Observer, pixels: u64, show: bool, work: impl
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
     let done = AtomicBool::new(false);
     thread::scope(|scope| {
-        let ticker = scope.spawn(|| {
+        let ticker = threads::worker().spawn_scoped(scope, || {
             while !done.load(Ordering::Relaxed) {
                 bar.set_position(observer.pixels_done.load(Ordering::Relaxed));
                 thread::park_timeout(TICK);
             }
             bar.finish_and_clear();
         });
-        // Ends the ticker also where `work` unwinds; the scope would else wait for it for ever.
-        let _end = EndTicker { done: &done, ticker: ticker.thread().clone() };
+        // Ends the ticker also where `work` unwinds; the scope would else wait for it for ever. Where it could not be
+        // started, the bar stands still.
+        let _end = ticker.ok().map(|ticker| EndTicker { done: &done, ticker: ticker.thread().clone() });
         work()
     })
 }
@@ -46,7 +48,7 @@ pub(super) fn session<T>(limit: Duration, show: bool, work: impl FnOnce(&(dyn Fn
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
     let done = AtomicBool::new(false);
     thread::scope(|scope| {
-        let ticker = scope.spawn(|| {
+        let ticker = threads::worker().spawn_scoped(scope, || {
             while !done.load(Ordering::Relaxed) {
                 let left = limit.saturating_sub(bar.elapsed()).as_secs();
                 bar.set_position(limit.as_secs() - left);
@@ -55,7 +57,7 @@ pub(super) fn session<T>(limit: Duration, show: bool, work: impl FnOnce(&(dyn Fn
             }
             bar.finish_and_clear();
         });
-        let _end = EndTicker { done: &done, ticker: ticker.thread().clone() };
+        let _end = ticker.ok().map(|ticker| EndTicker { done: &done, ticker: ticker.thread().clone() });
         work(&|what| bar.set_message(what.to_owned()))
     })
 }

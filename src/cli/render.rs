@@ -16,8 +16,8 @@ use crate::load::{self, LoadOptions, LoadReport, Loaded};
 use crate::notices;
 use crate::render::Observer;
 use crate::scene::Scene;
-use crate::study::Spheres;
 use crate::study::spheres::with_spheres;
+use crate::study::{Axis, Spheres};
 use crate::{Error, Result};
 
 /// Loads, renders, writes and reports.
@@ -37,7 +37,7 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     if job.strict {
         warnings::refuse(&notices)?;
     }
-
+    job.backend = backend::fit_for(&scene, job.backend, job.fixed.contains(&Axis::Backend), job.quiet)?;
     let (mut traced, spent) = match job.wish {
         Some(wish) => {
             let (traced, spent) = budget::render(&mut job, &mut scene, wish, &observer)?;

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use super::options::Verify;
 use super::table::grouped;
 use super::warnings::Warnings;
-use super::{Verdict, interrupt, output, progress};
+use super::{Verdict, backend, interrupt, output, progress};
+use crate::Result;
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::verify::{self, Candidate, Finding, NativePath, Plan, Trouble};
-use crate::{Error, Result};
 
 /// Troubles told one by one, of each kind, outside JSON.
 const TOLD: usize = 8;
@@ -66,10 +66,7 @@ struct TroubleRow {
 pub(super) fn run(job: &Verify) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(job.threads)
-        .build_global()
-        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", job.threads)))?;
+    backend::start_threads(&render::Options { threads: job.threads, ..render::Options::default() })?;
     let mut warnings = Warnings::default();
     let scene = match &job.scene {
         None => None,

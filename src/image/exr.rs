@@ -64,10 +64,11 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[start..end].copy_from_slice(&attributes.concat());
 }
 
-/// Columns and rows of the largest layer, from the header alone.
-pub(super) fn size(bytes: &[u8]) -> std::result::Result<(u32, u32), String> {
+/// Columns and rows of the largest layer, and the most bytes that decoding takes a pixel, from the header alone.
+pub(super) fn size(bytes: &[u8]) -> std::result::Result<((u32, u32), u64), String> {
     let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| e.to_string())?;
     let mut largest = Vec2(0, 0);
+    let mut channels = 0;
     for header in &meta.headers {
         if header.deep {
             return Err(String::from("it holds deep data, which is not read"));
@@ -75,12 +76,14 @@ pub(super) fn size(bytes: &[u8]) -> std::result::Result<(u32, u32), String> {
         if header.channels.list.len() > 64 {
             return Err(format!("it has {} channels; up to 64 are read", header.channels.list.len()));
         }
+        channels = channels.max(header.channels.list.len());
         if header.layer_size.area() >= largest.area() {
             largest = header.layer_size;
         }
     }
     let edge = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
-    Ok((edge(largest.x()), edge(largest.y())))
+    // Samples of all channels, those of three of them as numbers, and the film.
+    Ok(((edge(largest.x()), edge(largest.y())), (4 * channels + 12 + 12) as u64))
 }
 
 /// The first layer's `R`, `G` and `B`, or its `Y` alone, and whether there was an alpha channel to leave out.

@@ -1,5 +1,8 @@
 //! The picture in linear colour, as rendering leaves it.
 
+/// Pixels of the largest picture that is rendered or read: 2^27, some 7 GB while it is rendered.
+pub const MOST_PIXELS: u64 = 1 << 27;
+
 /// Linear RGB radiance, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {

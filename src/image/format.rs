@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{Clipped, Film, exr, hdr, pfm, png};
+use crate::system::memory;
 use crate::{Error, Result};
 
 /// A picture file format that can be written.
@@ -100,6 +101,16 @@ pub fn encode(film: &Film, encoding: &Encoding) -> Result<Encoded> {
             )));
         }
     }
+    // The most bytes of codes and of the file in a list that grows by doubling.
+    let each = match (encoding.format, encoding.bits) {
+        (Format::Png, Bits::Eight) => 3 + 2 * 3,
+        (Format::Png, Bits::Sixteen) => 6 + 2 * 6,
+        (Format::Exr, _) => 2 * 12,
+        (Format::Hdr, _) => 12 + 2 * 5,
+        (Format::Pfm, _) => 12,
+    };
+    let what = format!("a {} file of {} by {} pixels", encoding.format.name(), film.width, film.height);
+    memory::need(&what, (film.pixels.len() as u64).saturating_mul(each), "write fewer pixels")?;
     match encoding.format {
         Format::Png => png::encode(film, encoding.bits, &encoding.metadata),
         Format::Exr => exr::encode(film, &encoding.metadata),

@@ -6,6 +6,7 @@ mod exr;
 mod film;
 mod format;
 mod hdr;
+mod part;
 mod pfm;
 mod png;
 mod read;
@@ -14,7 +15,7 @@ mod write;
 
 pub use compare::{Comparison, Worst, compare, difference};
 pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
-pub use film::Film;
+pub use film::{Film, MOST_PIXELS};
 pub use format::{Bits, Encoded, Encoding, Format, encode};
 pub use read::{Limits, Picture, ReadOptions, read};
-pub use write::{Destination, discard_unfinished};
+pub use write::{Destination, discard_unfinished, discard_unfinished_at_once};

@@ -75,13 +75,11 @@ pub(super) fn decode(bytes: &[u8], header: &Header) -> Result<Film, String> {
         factor * if little { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
     };
     let rows = bytes[header.data..header.data + needed].chunks_exact(row_bytes).rev();
-    let pixels = rows
-        .flat_map(|row| row.chunks_exact(4 * header.channels))
-        .map(|p| match header.channels {
-            1 => [number(p); 3],
-            _ => [number(&p[0..4]), number(&p[4..8]), number(&p[8..12])],
-        })
-        .collect();
+    let mut pixels = Vec::with_capacity(width * height);
+    pixels.extend(rows.flat_map(|row| row.chunks_exact(4 * header.channels)).map(|p| match header.channels {
+        1 => [number(p); 3],
+        _ => [number(&p[0..4]), number(&p[4..8]), number(&p[8..12])],
+    }));
     Ok(Film { width: header.width, height: header.height, pixels })
 }
 

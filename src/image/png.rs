@@ -59,6 +59,21 @@ impl Header<'_> {
         (self.reader.info().width, self.reader.info().height)
     }
 
+    /// The most bytes that decoding takes a pixel: its codes and its colour.
+    pub fn bytes_a_pixel(&self) -> u64 {
+        let (colour, depth) = self.reader.output_color_type();
+        let codes = colour.samples() * if depth == BitDepth::Sixteen { 2 } else { 1 };
+        (codes + size_of::<[f32; 3]>()) as u64
+    }
+
+    /// The fewest bytes of a file of this size: deflate packs at most 1032 bytes into one.
+    pub fn shortest(&self) -> u64 {
+        let info = self.reader.info();
+        let bits = u64::from(info.width) * info.bits_per_pixel() as u64;
+        // Each row begins with the byte of its filter.
+        u64::from(info.height) * (bits.div_ceil(8) + 1) / 1032
+    }
+
     /// The pixels, in linear light, and whether there was an alpha channel to leave out.
     pub fn decode(mut self, linear: bool) -> std::result::Result<(Film, bool), String> {
         let (width, height) = self.size();
@@ -67,15 +82,19 @@ impl Header<'_> {
         let frame = self.reader.next_frame(&mut codes).map_err(|e| e.to_string())?;
         codes.truncate(frame.buffer_size());
         let channels = frame.color_type.samples();
-        let (max, codes) = match frame.bit_depth {
-            BitDepth::Sixteen => (65535_u16, codes.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect()),
-            _ => (255, codes.into_iter().map(u16::from).collect::<Vec<_>>()),
-        };
+        let max = if frame.bit_depth == BitDepth::Sixteen { 65535_u16 } else { 255 };
         let table: Vec<f32> = (0..=max).map(|code| transfer.linear(f64::from(code) / f64::from(max)) as f32).collect();
-        let pixels = codes
-            .chunks_exact(channels)
-            .map(|p| if channels < 3 { [p[0]; 3] } else { [p[0], p[1], p[2]] }.map(|code| table[usize::from(code)]))
-            .collect();
+        let light = |code: u16| table[usize::from(code)];
+        let colour = |code: &dyn Fn(usize) -> u16| {
+            if channels < 3 { [light(code(0)); 3] } else { [0, 1, 2].map(|i| light(code(i))) }
+        };
+        let pixels = match frame.bit_depth {
+            BitDepth::Sixteen => codes
+                .chunks_exact(2 * channels)
+                .map(|p| colour(&|i| u16::from_be_bytes([p[2 * i], p[2 * i + 1]])))
+                .collect(),
+            _ => codes.chunks_exact(channels).map(|p| colour(&|i| u16::from(p[i]))).collect(),
+        };
         Ok((Film { width, height, pixels }, channels % 2 == 0))
     }
 }

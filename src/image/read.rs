@@ -1,12 +1,12 @@
 //! Pictures from files, told by their first bytes and not by their name.
 
-use std::fs::File;
-use std::io::{Cursor, Read as _};
+use std::io::Cursor;
 use std::path::Path;
 
 use ::image::{DynamicImage, ImageFormat, ImageReader};
 
-use super::{Film, exr, linear_from_srgb, pfm, png};
+use super::{Film, MOST_PIXELS, exr, linear_from_srgb, pfm, png};
+use crate::system::{files, memory};
 use crate::{Error, Result};
 
 /// The most that is taken on.
@@ -21,11 +21,14 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// 65,536 pixels an edge, 2^27 pixels (1.5 GiB as a film), files of 2 GiB.
+    /// 65,536 pixels an edge, [`MOST_PIXELS`] (1.5 GiB as a film), files of 2 GiB.
     fn default() -> Self {
-        Self { edge: 65_536, pixels: 1 << 27, bytes: 2 << 30 }
+        Self { edge: 65_536, pixels: MOST_PIXELS, bytes: 2 << 30 }
     }
 }
+
+/// Bytes of a film's pixel.
+const FILM_BYTES: u64 = size_of::<[f32; 3]>() as u64;
 
 /// How a picture file is to be read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +55,7 @@ pub struct Picture {
 /// Io, where the file cannot be read; a file error, where it is no such picture, damaged or of size 0; a limit,
 /// where it is larger than the options allow.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture> {
-    decode(&bytes_of(path, options.limits.bytes)?, path, options)
+    decode(&files::read(path, options.limits.bytes)?, path, options)
 }
 
 /// [`read`], of a file's bytes that are there already; errors call it `path`.
@@ -60,50 +63,47 @@ fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
     // Decoders' messages may have several lines; an error has one.
     let one_line = |e: String| e.split_whitespace().collect::<Vec<_>>().join(" ");
     let wrong = |kind: &'static str| move |e| Error::file(path, format!("not a readable {kind}: {}", one_line(e)));
-    let check = |(width, height)| check_size(path, width, height, options.limits);
+    let check = |(width, height), each: u64, shortest: u64| {
+        check_size(path, width, height, options.limits)?;
+        if (bytes.len() as u64) < shortest {
+            let message = format!("it is cut short: {} bytes cannot hold {width} by {height} pixels", bytes.len());
+            return Err(Error::file(path, message));
+        }
+        let what = format!("{}: {width} by {height} pixels", path.display());
+        memory::need(&what, (u64::from(width) * u64::from(height)).saturating_mul(each), "take a smaller picture")
+    };
 
     let (film, alpha_dropped) = match bytes {
         [0x89, b'P', b'N', b'G', ..] => {
             let header = png::header(bytes).map_err(wrong("PNG"))?;
-            check(header.size())?;
+            check(header.size(), header.bytes_a_pixel(), header.shortest())?;
             header.decode(options.linear).map_err(wrong("PNG"))?
         }
         [0x76, 0x2f, 0x31, 0x01, ..] => {
-            check(exr::size(bytes).map_err(wrong("OpenEXR file"))?)?;
+            let (size, each) = exr::size(bytes).map_err(wrong("OpenEXR file"))?;
+            check(size, each, 0)?;
             exr::decode(bytes).map_err(wrong("OpenEXR file"))?
         }
         [b'P', b'F' | b'f', ..] => {
             let header = pfm::header(bytes).map_err(wrong("PFM"))?;
-            check((header.width, header.height))?;
+            check((header.width, header.height), FILM_BYTES, 0)?;
             (pfm::decode(bytes, &header).map_err(wrong("PFM"))?, false)
         }
         [b'#', b'?', ..] => {
-            check(dimensions(bytes, ImageFormat::Hdr).map_err(wrong("Radiance HDR picture"))?)?;
+            let size = dimensions(bytes, ImageFormat::Hdr).map_err(wrong("Radiance HDR picture"))?;
+            // A row takes four bytes at least: one pixel, or the head of a packed row.
+            check(size, 2 * FILM_BYTES, 4 * u64::from(size.1))?;
             (hdr(bytes, options.limits).map_err(wrong("Radiance HDR picture"))?, false)
         }
         [0xff, 0xd8, ..] => {
-            check(dimensions(bytes, ImageFormat::Jpeg).map_err(wrong("JPEG"))?)?;
+            let size = dimensions(bytes, ImageFormat::Jpeg).map_err(wrong("JPEG"))?;
+            // Codes, coefficients of 16 bits, and planes of the three components.
+            check(size, FILM_BYTES + 3 + 6 + 6, 0)?;
             (jpeg(bytes, options).map_err(wrong("JPEG"))?, false)
         }
         _ => return Err(Error::file(path, "no picture of a kind that is read: PNG, OpenEXR, Radiance HDR, PFM, JPEG")),
     };
     Ok(Picture { film, alpha_dropped })
-}
-
-/// The whole of a regular file that is not too long.
-fn bytes_of(path: &Path, limit: u64) -> Result<Vec<u8>> {
-    let unreadable = |e| Error::io(path, "read", e);
-    // Devices and pipes may never end.
-    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(Error::file(path, "not a regular file"));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(unreadable)?;
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > limit {
-        return Err(Error::Limit(format!("{}: longer than the {limit} bytes that are read", path.display())));
-    }
-    Ok(bytes)
 }
 
 fn check_size(path: &Path, width: u32, height: u32, limits: Limits) -> Result<()> {

@@ -5,6 +5,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::part::{self, folder_of};
 use crate::{Error, Result};
 
 /// The temporary file that a write is busy with, for [`discard_unfinished`].
@@ -18,6 +19,15 @@ fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {
 pub fn discard_unfinished() {
     if let Some(path) = unfinished().take() {
         // Nothing is left to tell where this fails: the process is on its way out.
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// [`discard_unfinished`] for a thread that must not wait, since it may be the one that writes.
+pub fn discard_unfinished_at_once() {
+    if let Ok(mut unfinished) = UNFINISHED.try_lock()
+        && let Some(path) = unfinished.take()
+    {
         let _ = std::fs::remove_file(path);
     }
 }
@@ -64,15 +74,20 @@ impl Destination {
                 path: std::fs::canonicalize(name).map_err(system)?,
                 permissions: Some(Metadata::permissions(&m)),
             },
-            None => Kind::File { path: name.to_path_buf(), permissions: None },
+            None => Kind::File { path: end_of_links(name).map_err(system)?, permissions: None },
         };
         let destination = Self { name: name.to_path_buf(), kind };
         if let Kind::File { path, .. } = &destination.kind {
             // The system is asked rather than its permission bits read: there are also full and read-only disks.
             tempfile::tempfile_in(folder_of(path)).map_err(|e| match e.kind() {
+                io::ErrorKind::NotFound if path != name => {
+                    let why = format!("it is a link to {}, whose folder does not exist", path.display());
+                    refuse(io::ErrorKind::NotFound, &why)
+                }
                 io::ErrorKind::NotFound => refuse(io::ErrorKind::NotFound, "its folder does not exist"),
                 _ => system(without_path(e)),
             })?;
+            part::remove_leftovers(path);
         }
         Ok(destination)
     }
@@ -95,7 +110,7 @@ impl Destination {
     /// # Errors
     /// Io; `Interrupted`, where `proceed` says no. The file that was there, if any, is then still the old one.
     pub fn write(&self, bytes: &[u8], proceed: impl FnOnce() -> bool) -> Result<()> {
-        let system = |e| Error::io(&self.name, "write", without_path(e));
+        let system = |e| Error::io(&self.name, "write", with_cure(without_path(e)));
         let Kind::File { path, permissions } = &self.kind else {
             if !proceed() {
                 return Err(Error::Interrupted);
@@ -103,17 +118,10 @@ impl Destination {
             let mut stream = OpenOptions::new().write(true).open(&self.name).map_err(system)?;
             return stream.write_all(bytes).and_then(|()| stream.flush()).map_err(system);
         };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".vitrum-").suffix(".part");
-        #[cfg(unix)]
-        if permissions.is_none() {
-            // What any program would create, less the user's umask; `tempfile`'s own choice is 0600.
-            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        }
         let mut file = {
             // Locked across creation, so that there is no moment at which the file exists and is not known.
             let mut unfinished = unfinished();
-            let file = builder.tempfile_in(folder_of(path)).map_err(system)?;
+            let file = part::create(path, permissions.is_none()).map_err(system)?;
             *unfinished = Some(file.path().to_path_buf());
             file
         };
@@ -138,11 +146,29 @@ fn fill(file: &mut File, bytes: &[u8], permissions: Option<&Permissions>) -> io:
     file.sync_all()
 }
 
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
+/// The place that a name which is not there stands for: the end of a chain of symbolic links, or the name itself.
+fn end_of_links(name: &Path) -> io::Result<PathBuf> {
+    /// As many as Linux follows.
+    const MOST: usize = 40;
+    let mut path = name.to_path_buf();
+    for _ in 0..MOST {
+        match std::fs::read_link(&path) {
+            Ok(target) => path = folder_of(&path).join(target),
+            Err(_) => return Ok(path),
+        }
     }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// The system's error, with the cure where it is about the limit on file sizes.
+fn with_cure(e: io::Error) -> io::Error {
+    if e.kind() == io::ErrorKind::FileTooLarge {
+        return io::Error::new(
+            e.kind(),
+            "it would be larger than files may be here; raise `ulimit -f` or write fewer pixels",
+        );
+    }
+    e
 }
 
 /// The system's error without the temporary name that `tempfile` adds to it.
@@ -214,6 +240,28 @@ mod tests {
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
         assert_eq!(std::fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
         assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_is_followed_and_one_to_nowhere_refused() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::create_dir(path("deep")).unwrap();
+        symlink("deep/second", path("first")).unwrap();
+        symlink("real.png", path("deep/second")).unwrap();
+        Destination::new(&path("first")).unwrap().write(b"new", || true).unwrap();
+        assert_eq!(std::fs::read(path("deep/real.png")).unwrap(), b"new");
+        assert!(std::fs::symlink_metadata(path("first")).unwrap().is_symlink());
+        assert_eq!(names_in(&path("deep")), ["real.png", "second"]);
+        symlink("missing/real.png", path("nowhere")).unwrap();
+        symlink("loop", path("loop")).unwrap();
+        for name in ["nowhere", "loop"] {
+            let error = Destination::new(&path(name)).unwrap_err();
+            assert!(error.exit_code() == 3 && error.to_string().contains("link"), "{error}");
+        }
+        assert_eq!(names_in(folder.path()), ["deep", "first", "loop", "nowhere"]);
     }
 
     #[cfg(target_os = "linux")]

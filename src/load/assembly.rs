@@ -11,12 +11,13 @@ use super::origin::{self, Frame, Loss};
 use super::report::{Hull, Reporter};
 use super::smooth::smooth;
 use super::source::Root;
-use super::topology::{Edges, weld};
+use super::topology::{self, Edges, weld};
 use super::transform::flip;
 use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded, texture};
 use crate::geometry::{Geometry, GeometryMask, Shape};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
+use crate::system::memory;
 use crate::{Error, Result};
 
 /// Most objects that are inside out by themselves of which each is held against all others.
@@ -166,7 +167,7 @@ impl<'a> Assembly<'a> {
             let mut shape = draft.settle(frame);
             if let Shape::Mesh(mesh) = &mut shape {
                 if let (Some(crease), true) = (crease, mesh.normals.is_empty()) {
-                    smooth(mesh, crease);
+                    smooth(mesh, crease)?;
                 }
                 if flipped {
                     flip(mesh);
@@ -213,6 +214,8 @@ impl<'a> Assembly<'a> {
         let file = PathBuf::from(&origin.file);
         if let (Shape::Mesh(mesh), true) = (&shape, dielectric) {
             let object = self.scene.objects.len();
+            let what = format!("the edges of `{name}`");
+            memory::need(&what, topology::bytes(mesh), "take fewer triangles")?;
             let weld = weld(&mesh.positions);
             if let Some((edges, triangle)) = Edges::new(&mesh.triangles, &weld).open() {
                 let line = origin.triangle_lines.get(triangle as usize).copied().unwrap_or(origin.line);

@@ -27,9 +27,11 @@ pub use report::{Hull, LoadReport, Model, Warning};
 pub use texture::picture;
 pub use transform::Transform;
 
+pub(crate) use brief::plain_numbers;
 use std::path::{Path, PathBuf};
 pub(crate) use suggest::hint;
 
+use crate::image::MOST_PIXELS;
 use crate::scene::Scene;
 use crate::{Error, Result};
 
@@ -75,7 +77,7 @@ impl Default for Limits {
             objects: 1_000_000,
             texture_edge: 16_384,
             texture_bytes: 2 << 30,
-            film_pixels: 1 << 28,
+            film_pixels: MOST_PIXELS,
         }
     }
 }

@@ -123,6 +123,11 @@ impl Reporter {
         Ok(())
     }
 
+    /// The reason for which the most faces were left out.
+    pub(super) fn most_dropped(&self) -> Option<&'static str> {
+        self.report.dropped.iter().max_by_key(|(_, count)| **count).map(|(reason, _)| *reason)
+    }
+
     /// Counts a face that was left out.
     pub(super) fn dropped(&mut self, reason: &'static str) {
         *self.report.dropped.entry(reason).or_default() += 1;

@@ -2,15 +2,25 @@
 
 use glam::{DVec3, Vec3};
 
-use super::topology::{Edges, weld};
+use super::topology::{self, Edges, weld};
+use crate::Result;
 use crate::geometry::TriMesh;
+use crate::system::memory;
 
 /// Gives `mesh` normals that are smooth across edges that bend by less than `crease` degrees and break at the others.
 ///
 /// A corner's normal is the mean of the faces it is joined to through such edges, weighted by their angles there
 /// (Thürmer & Wüthrich 1998), so that it does not depend on how a face was cut up. Corners count as one where they
 /// lie at exactly the same place. An edge of three or more faces, or of two that run along it the same way, breaks.
-pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) {
+///
+/// # Errors
+/// `Limit`, where there is no memory for the work.
+pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) -> Result<()> {
+    // Of each triangle its normal; of each corner its group, its sum and place, and what may become its normal in a list
+    // that grows by doubling.
+    let each = size_of::<DVec3>() + 3 * (4 + size_of::<DVec3>() + 4 + 2 * (size_of::<Vec3>() + 4));
+    let bytes = topology::bytes(mesh) + (mesh.triangles.len() * each) as u64;
+    memory::need(&format!("smooth normals for {} triangles", mesh.triangles.len()), bytes, "take fewer triangles")?;
     let weld = weld(&mesh.positions);
     let flat: Vec<DVec3> = (0..mesh.triangles.len())
         .map(|i| {
@@ -57,6 +67,7 @@ pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) {
             places[root]
         }));
     }
+    Ok(())
 }
 
 /// Disjoint sets, halving paths as they are walked.
@@ -91,10 +102,10 @@ mod tests {
     #[test]
     fn a_box_stays_sharp_below_ninety_degrees_and_is_round_above() {
         let mut sharp = cuboid(3);
-        smooth(&mut sharp, 89.0);
+        smooth(&mut sharp, 89.0).unwrap();
         assert_eq!(sharp.normals.len(), 6 * 16);
         let mut round = cuboid(1);
-        smooth(&mut round, 91.0);
+        smooth(&mut round, 91.0).unwrap();
         // By angle every face weighs the same at a corner, however its two triangles lie.
         for (p, n) in (0..12).flat_map(|i| std::iter::zip(round.corners(i), round.corner_normals(i).unwrap())) {
             assert!((p.normalize() - n).length() < 1e-6, "{p} {n}");
@@ -106,7 +117,7 @@ mod tests {
         let mut mesh = sphere(40);
         let exact = mesh.clone();
         make_flat(&mut mesh);
-        smooth(&mut mesh, 30.0);
+        smooth(&mut mesh, 30.0).unwrap();
         for i in 0..mesh.triangles.len() {
             for (a, b) in mesh.corner_normals(i).unwrap().into_iter().zip(exact.corner_normals(i).unwrap()) {
                 assert!(a.dot(b) > 0.9999);
@@ -120,7 +131,7 @@ mod tests {
         let soup: Vec<Vec3> = (0..mesh.triangles.len()).flat_map(|i| mesh.corners(i)).collect();
         mesh.triangles = (0..soup.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         mesh.positions = soup;
-        smooth(&mut mesh, 60.0);
+        smooth(&mut mesh, 60.0).unwrap();
         assert_eq!(mesh.normals.len(), 7 * 16 + 2);
     }
 }

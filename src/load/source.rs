@@ -1,34 +1,10 @@
-//! Reading files: regular ones, up to a size, and those that other files name only from within the scene's root.
+//! Reading text, and where files that a scene names may lie.
 
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::system::files::read;
 use crate::{Error, Result};
-
-/// The bytes of a regular file of at most `limit` bytes.
-///
-/// # Errors
-/// `Io` where the system refuses, `File` where it is no regular file, `Limit` where it is larger.
-pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
-    let too_large =
-        |size: u64| Error::Limit(format!("{}: the file has {size} bytes; at most {limit} are read", path.display()));
-    // Asked before opening: opening a pipe would wait for its writer.
-    let metadata = fs::metadata(path).map_err(|e| Error::io(path, "read", e))?;
-    if !metadata.is_file() {
-        return Err(Error::file(path, "is not a regular file"));
-    }
-    if metadata.len() > limit {
-        return Err(too_large(metadata.len()));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|e| Error::io(path, "read", e))?;
-    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| Error::io(path, "read", e))?;
-    if bytes.len() as u64 > limit {
-        return Err(too_large(bytes.len() as u64));
-    }
-    Ok(bytes)
-}
 
 /// The text of a file, without a byte order mark.
 ///

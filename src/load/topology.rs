@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
+use crate::geometry::TriMesh;
+
 /// For each position the first one at exactly the same place (0 and -0 are the same).
 pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
     let mut seen: HashMap<[u32; 3], u32> = HashMap::with_capacity(positions.len());
@@ -13,6 +15,14 @@ pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
         // Adding zero turns -0 into 0.
         .map(|(i, p)| *seen.entry((*p + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert(i as u32))
         .collect()
+}
+
+/// The most bytes that [`weld`] and [`Edges::new`] take for a mesh.
+pub(super) fn bytes(mesh: &TriMesh) -> u64 {
+    // A hash map has a power of two of entries and is seven eighths full at most.
+    let entries = (mesh.positions.len() / 7 * 8 + 8).next_power_of_two() * (size_of::<([u32; 3], u32)>() + 1);
+    let edges = 3 * mesh.triangles.len() * size_of::<(u64, Side)>();
+    (entries + mesh.positions.len() * size_of::<u32>() + edges) as u64
 }
 
 /// All edges of a mesh, equal ones next to each other.

@@ -45,6 +45,7 @@ pub use class::{SharedShading, shared_shading};
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
+pub use room::need;
 pub use unmatched::UnmatchedExits;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -55,6 +56,7 @@ use crate::effects::{self, Effect, Reach};
 use crate::geometry::contact::Contacts;
 use crate::image::Film;
 use crate::scene::{Bodies, Scene};
+use crate::system::threads;
 use crate::{Error, Result};
 use stages::Stages;
 use tile::Tile;
@@ -79,7 +81,6 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let scene = &*effects::without(scene, options.effects.without);
     let tolls = Ceiling::asked(scene, options)?;
     let settings = &scene.settings;
-    room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     let (bodies, (contacts, touching)) = (Bodies::of(scene), contacts(scene, options));
     let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
@@ -102,14 +103,12 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         Ok((results, Tally::of(&worker)))
     };
 
-    let threads = options.thread_count().min(tiles.len());
+    let count = options.thread_count().min(tiles.len());
+    threads::need(count - 1)?;
+    room::need_with(settings, count)?;
     let parts: Vec<_> = std::thread::scope(|scope| {
-        let spawned: Result<Vec<_>> = (1..threads)
-            .map(|_| {
-                std::thread::Builder::new().spawn_scoped(scope, work).map_err(|e| {
-                    Error::Limit(format!("cannot start {threads} threads: {e}; ask for fewer with --threads"))
-                })
-            })
+        let spawned: Result<Vec<_>> = (1..count)
+            .map(|_| threads::worker().spawn_scoped(scope, work).map_err(|e| threads::refused(count, &e)))
             .collect();
         if spawned.is_err() {
             observer.stop.store(true, Ordering::Relaxed);

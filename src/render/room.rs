@@ -1,31 +1,37 @@
-//! Whether there is memory for a picture, asked before the work and not found out in its middle.
+//! Memory for a picture, checked before the work.
 
+use crate::Result;
 use crate::scene::Settings;
-use crate::{Error, Result};
+use crate::system::memory;
 
-/// Bytes a pixel takes at the worst moment, when the tiles become the film: radiance and truncated weight in each. The
-/// encoded file, made when the tiles are gone, is smaller.
-const BYTES_A_PIXEL: usize = 4 * size_of::<[f32; 3]>();
+/// Bytes that a pixel takes at the worst moment. When tiles become the film, radiance and truncated weight are held twice
+/// (48); when the film is encoded, film and truncated weight are held, and up to 28 bytes for the encoder.
+const BYTES_A_PIXEL: u64 = 52;
 
-/// What everything else may take meanwhile: queues, stacks of threads, the pieces between blocks.
-const ASIDE: usize = 64 << 20;
+/// Bytes of a thread's queues, streams and scratch memory beside those that grow with depth.
+const BYTES_A_THREAD: u64 = 4 << 20;
 
-/// Asks the system for as much memory as a picture of this size will take, and gives it back.
+/// Checks that there is memory for a picture of this size.
 ///
 /// # Errors
-/// [`Error::Limit`], where the system does not give it.
-pub(super) fn check(settings: &Settings) -> Result<()> {
-    let pixels = settings.width as usize * settings.height as usize;
-    let needed = pixels.saturating_mul(BYTES_A_PIXEL);
-    let given = Vec::<u8>::new().try_reserve_exact(needed.saturating_add(needed / 16).saturating_add(ASIDE));
-    given.map_err(|_| {
-        let gibibytes = needed as f64 / f64::from(1 << 30);
-        Error::Limit(format!(
-            "a picture of {} by {} pixels takes {gibibytes:.1} GiB while it is rendered, more than the system gives this \
-             program; ask for fewer pixels",
-            settings.width, settings.height
-        ))
-    })
+/// [`crate::Error::Limit`], where there is none.
+pub fn need(settings: &Settings) -> Result<()> {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let what = format!("a picture of {} by {} pixels", settings.width, settings.height);
+    memory::need(&what, pixels.saturating_mul(BYTES_A_PIXEL), "ask for fewer pixels")
+}
+
+/// Checks that there is memory for a picture of this size and for `threads` threads that render it.
+///
+/// # Errors
+/// [`crate::Error::Limit`], where there is none.
+pub(super) fn need_with(settings: &Settings, threads: usize) -> Result<()> {
+    need(settings)?;
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let (width, height) = (settings.width, settings.height);
+    let what = format!("a picture of {width} by {height} pixels and the queues of {threads} threads");
+    let bytes = pixels.saturating_mul(BYTES_A_PIXEL).saturating_add(threads as u64 * BYTES_A_THREAD);
+    memory::need(&what, bytes, "ask for fewer threads or pixels")
 }
 
 #[cfg(test)]
@@ -35,8 +41,8 @@ mod tests {
     #[test]
     fn a_picture_that_no_memory_holds_is_a_limit_and_a_small_one_is_none() {
         let settings = |width, height| Settings { width, height, ..Settings::default() };
-        assert!(check(&settings(640, 480)).is_ok());
-        let refused = check(&settings(u32::MAX, u32::MAX)).unwrap_err();
+        assert!(need(&settings(640, 480)).is_ok());
+        let refused = need(&settings(u32::MAX, u32::MAX)).unwrap_err();
         assert_eq!(refused.exit_code(), 4);
         assert!(refused.to_string().contains("4294967295 by 4294967295"), "{refused}");
     }

@@ -9,6 +9,7 @@ use super::variant::Variant;
 use crate::Error;
 use crate::Result;
 use crate::accel::native::{Lanes, Native, Walk};
+use crate::accel::reference::Reference;
 use crate::accel::{BuildQuality, Intersector, Unbounded};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::render::reference::{self, Prepared};
@@ -87,6 +88,7 @@ impl<'a> Engine<'a> {
         match (variant.precision, variant.backend) {
             (Precision::Double, _) => {
                 let start = Instant::now();
+                Reference::need(&scene.geometry)?;
                 let prepared = Prepared::with(scene, &options);
                 let build_seconds = start.elapsed().as_secs_f64();
                 let start = Instant::now();
@@ -94,7 +96,7 @@ impl<'a> Engine<'a> {
                 Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds, lanes: None })
             }
             (Precision::Single, Backend::Native) => {
-                let native = built(native, scene, || Ok(Native::build_as(&scene.geometry, variant.bvh)))?;
+                let native = built(native, scene, || Native::try_build_as(&scene.geometry, variant.bvh))?;
                 timed(scene, native, &options, observer)
             }
             #[cfg(feature = "embree")]
@@ -148,7 +150,7 @@ impl Stage {
         let place = self.walks.iter().position(|(of, _)| *of == choice);
         let mut slot = place.map(|i| self.walks.swap_remove(i).1);
         let (test, reciprocal) = choice;
-        let walk = built(&mut slot, &self.scene, || Ok(Walk::build(&self.scene.geometry, self.bvh, test, reciprocal)))?;
+        let walk = built(&mut slot, &self.scene, || Walk::try_build(&self.scene.geometry, self.bvh, test, reciprocal))?;
         let before = walk.accel.inner().lanes();
         let shot = timed(&self.scene, walk, options, observer);
         let lanes = walk.accel.inner().lanes().since(before);

@@ -175,7 +175,8 @@ impl<I: Intersector> Intersector for Timed<'_, I> {
 
 /// Builds for everyone, the native path first; Embree's only where asked for and built in.
 fn ways(scene: &Scene, plan: &FramePlan, embree: bool) -> Result<Vec<Way>> {
-    let native = std::iter::once_with(|| Ok(Way::new("native", Native::build_as(&scene.geometry, plan.bvh), scene)));
+    let native =
+        std::iter::once_with(|| Ok(Way::new("native", Native::try_build_as(&scene.geometry, plan.bvh)?, scene)));
     #[cfg(not(feature = "embree"))]
     let _ = embree;
     #[cfg(feature = "embree")]

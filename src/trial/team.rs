@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::{Error, Result};
+use crate::Result;
+use crate::system::threads;
 
 /// Some threads.
 pub struct Team {
@@ -16,10 +17,7 @@ impl Team {
     /// # Errors
     /// A limit, where the system starts no more threads.
     pub fn new(threads: usize) -> Result<Self> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.max(1))
-            .build()
-            .map_err(|e| Error::Limit(format!("cannot start {threads} threads: {e}; ask for fewer with --threads")))?;
+        let pool = threads::pool(threads.max(1))?;
         Ok(Self { pool, threads: threads.max(1) })
     }
 

@@ -9,10 +9,11 @@
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-use super::{BuildStats, Coherence, Intersector};
-use crate::error::Result;
+use super::{BuildStats, Coherence, Counts, Intersector};
+use crate::error::{Error, Result};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8};
 use crate::simd::Mask8;
+use crate::system::memory;
 
 pub mod device;
 mod fill;
@@ -20,6 +21,7 @@ pub mod find;
 mod options;
 mod packed;
 mod packet;
+pub mod reach;
 pub mod scene;
 mod sphere;
 pub mod sys;
@@ -30,8 +32,12 @@ pub use packed::Packed;
 use device::{Device, Library};
 use fill::Filling;
 use packet::Interval;
+use reach::Lost;
 use scene::{Scene, SceneBuilder};
 use sys::QueryArguments;
+
+/// Bytes that Embree takes for each primitive while it builds: positions, indices, references and nodes.
+const BYTES_EACH: usize = 320;
 
 /// Shapes in Embree's hierarchy.
 pub struct Embree {
@@ -72,7 +78,8 @@ impl Embree {
     /// [`Unbounded`](super::Unbounded).
     ///
     /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit) where the library is missing or unfit, or memory runs out.
+    /// [`Error::Limit`](crate::Error::Limit) where the library is missing or unfit, memory runs out, or a shape reaches beyond
+    /// [`reach::MOST`] or all meshes within [`reach::LEAST`].
     pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
         let library = Library::open(options.library.as_deref())?;
         Self::build_with(geometry, options, library, library.masks)
@@ -80,6 +87,13 @@ impl Embree {
 
     /// As [`Embree::build`]; without `masks` each mask gets a scene of its own.
     fn build_with(geometry: &[Geometry], options: &Options, library: &'static Library, masks: bool) -> Result<Self> {
+        if let (Some(Lost { shape, why }), false) = (reach::lost(geometry), options.even_lost) {
+            let shape = shape + 1;
+            return Err(Error::Limit(format!("Embree: shape {shape} {why}; take --backend native")));
+        }
+        let counts = Counts::of(geometry);
+        let bytes = (counts.triangles + counts.spheres).saturating_mul(BYTES_EACH);
+        memory::need(&counts.named("Embree's hierarchy over"), bytes as u64, counts.cure())?;
         let device = Device::open(library, options.threads, options.frequency, options.isa)?;
         let start = Instant::now();
         let kinds: BTreeSet<u8> = geometry.iter().map(|g| g.mask.0).collect();

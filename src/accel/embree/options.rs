@@ -21,6 +21,8 @@ pub struct Options {
     pub spheres: Spheres,
     /// Build threads; 0 is one a processor. (Rays are traced by the threads that ask.)
     pub threads: usize,
+    /// Builds over shapes, too, that Embree would lose ([`super::reach`]), where this is an error otherwise.
+    pub even_lost: bool,
     /// The folder with the library, instead of the one in `EMBREE_DIR` and the other usual places.
     pub library: Option<PathBuf>,
 }

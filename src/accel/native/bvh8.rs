@@ -62,6 +62,12 @@ pub(super) struct Node8 {
 
 const _: () = assert!(size_of::<Node8>() == 256);
 
+impl Default for Node8 {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
 impl Node8 {
     /// No children.
     pub const EMPTY: Self = Self {

@@ -6,25 +6,50 @@ use super::bvh2::{self, Kind, Node2, PrimRef};
 use super::bvh8::{Bvh8, Child, Node8};
 use super::leaf::Leaf;
 use super::{blockers, morton, reinsert};
+use crate::Result;
 use crate::accel::BuildQuality;
 use crate::simd::room_for;
+use crate::system::memory;
 
-/// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them.
+/// Bytes that the binary tree over `prims` primitives takes, with their references: those of trees whose leaves are at
+/// least three eighths full. Leaves of meshes are half full or better.
+pub(super) fn bytes_first(prims: usize, quality: BuildQuality) -> u64 {
+    let leaves = prims / 3 + 1;
+    // An inner node for each leaf, with the header of its block.
+    let tree = leaves * (2 * size_of::<Node2>() + 16);
+    let more = match quality {
+        // The order of the curve, and the references once more in that order.
+        BuildQuality::Fast => prims * (8 + size_of::<PrimRef>()),
+        BuildQuality::Default => 0,
+        // Nodes in a list that grows by doubling, their order, and the tree once more.
+        BuildQuality::High => 2 * leaves * (2 * reinsert::NODE_BYTES + 8) + tree,
+    };
+    (prims * size_of::<PrimRef>() + tree + more) as u64
+}
+
+/// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them. `named` is what a message calls the
+/// hierarchy, and its cure.
+///
+/// # Errors
+/// [`Error::Limit`](crate::Error::Limit), where there is no memory for nodes and leaves.
 pub(super) fn bvh8<L: Leaf + Send>(
     prims: &mut [PrimRef],
     quality: BuildQuality,
+    named: (&str, &'static str),
     leaf: impl Fn(&[PrimRef]) -> L + Sync,
-) -> Bvh8<L> {
+) -> Result<Bvh8<L>> {
     if prims.is_empty() {
-        return Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, depth: 0 };
+        return Ok(Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, depth: 0 });
     }
     let tree = match quality {
         BuildQuality::Fast => morton::build(prims),
         BuildQuality::Default => bvh2::build(prims),
         BuildQuality::High => reinsert::improved(bvh2::build(prims)),
     };
-    let mut flat = Flat::default();
-    let root = flat.place(&tree, 0);
+    let mut flat = Flat { named, ..Flat::default() };
+    let root = flat.place(&tree, 0)?;
+    let leaf_bytes = flat.leaves.len() * (size_of::<L>() + size_of::<f32>());
+    memory::need(named.0, (flat.nodes.len() * size_of::<Node8>() + leaf_bytes) as u64, named.1)?;
     let mut nodes = room_for(flat.nodes.len());
     nodes.append(&mut flat.nodes);
     let mut leaves = room_for(flat.leaves.len());
@@ -38,34 +63,36 @@ pub(super) fn bvh8<L: Leaf + Send>(
     rayon::join(|| flat.leaves.par_iter().map(of).unzip_into_vecs(&mut leaves, &mut covers), || drop(tree));
     blockers::put_last(&mut nodes, &covers);
     nodes.par_iter_mut().for_each(Node8::put_in_order);
-    Bvh8 { nodes, leaves, root, depth: flat.depth }
+    Ok(Bvh8 { nodes, leaves, root, depth: flat.depth })
 }
 
 #[derive(Default)]
-struct Flat {
+struct Flat<'a> {
+    /// As in [`bvh8`].
+    named: (&'a str, &'static str),
     nodes: Vec<Node8>,
     /// First primitive and how many.
     leaves: Vec<(u32, u32)>,
     depth: usize,
 }
 
-impl Flat {
+impl Flat<'_> {
     /// Places a subtree whose root is at `depth`; depth first, so that near relatives are near in memory.
-    fn place(&mut self, node: &Node2, depth: usize) -> Child {
+    fn place(&mut self, node: &Node2, depth: usize) -> Result<Child> {
         let halves = match &node.kind {
             Kind::Leaf { first, count } => {
                 self.depth = self.depth.max(depth);
-                self.leaves.push((*first, *count));
-                return Child::leaf(self.leaves.len() - 1);
+                memory::push(&mut self.leaves, (*first, *count), self.named.0, self.named.1)?;
+                return Ok(Child::leaf(self.leaves.len() - 1));
             }
             Kind::Inner(halves) => halves,
         };
         let mut children = arrayvec::ArrayVec::<&Node2, 8>::new();
         Node2::children(halves, &mut |child| children.push(child));
         let here = self.nodes.len();
-        self.nodes.push(Node8::EMPTY);
+        memory::push(&mut self.nodes, Node8::EMPTY, self.named.0, self.named.1)?;
         for (i, child) in children.iter().enumerate() {
-            let to = self.place(child, depth + 1);
+            let to = self.place(child, depth + 1)?;
             let node = &mut self.nodes[here];
             node.children[i] = to;
             let (lo, hi) = (child.lo, child.hi);
@@ -74,6 +101,6 @@ impl Flat {
                 node.planes[axis][1].set_lane(i, hi[axis]);
             }
         }
-        Child::node(here)
+        Ok(Child::node(here))
     }
 }

@@ -39,11 +39,13 @@ pub use self::traverse_stream::Kernel;
 use self::traverse_stream::Trees;
 use self::tri8::Tri8;
 pub use self::walk::{Lanes, Walk};
-use super::{BuildQuality, BuildStats, Coherence, Intersector};
+use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector};
+use crate::Result;
 pub use crate::geometry::triangle_test::TriangleModel;
 use crate::geometry::{Geometry, Hit8, Ray8, Shape, is_usable, slab, sphere};
 use crate::math::Vector3;
 use crate::simd::Mask8;
+use crate::system::memory;
 
 /// The native accelerator. Holds its own copy of the triangles; planes are left to [`super::Unbounded`].
 #[derive(Clone, Debug)]
@@ -55,16 +57,33 @@ pub struct Native {
 
 impl Native {
     /// [`Native::build_as`] with [`BuildQuality::Default`].
+    ///
+    /// # Panics
+    /// As [`Native::build_as`].
     #[must_use]
     pub fn build(geometry: &[Geometry]) -> Self {
         Self::build_as(geometry, BuildQuality::Default)
     }
 
+    /// [`Native::try_build_as`] where there is memory for it.
+    ///
+    /// # Panics
+    /// Where there is none.
+    #[must_use]
+    pub fn build_as(geometry: &[Geometry], quality: BuildQuality) -> Self {
+        Self::try_build_as(geometry, quality).unwrap_or_else(|e| panic!("{e}"))
+    }
+
     /// Builds over the meshes and spheres of `geometry`; a hit's geometry is the place in this list. What cannot be
     /// hit ([`crate::geometry::TriMesh::is_usable`]) is left out and counted. The same tree for any number of threads,
     /// and the same hits to the bit by every quality.
-    #[must_use]
-    pub fn build_as(geometry: &[Geometry], quality: BuildQuality) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Limit`](crate::Error::Limit), where there is no memory for the hierarchy.
+    pub fn try_build_as(geometry: &[Geometry], quality: BuildQuality) -> Result<Self> {
+        let counts = Counts::of(geometry);
+        let what = counts.named("the hierarchy over");
+        memory::need(&what, collapse::bytes_first(counts.triangles + counts.spheres, quality), counts.cure())?;
         let start = Instant::now();
         let (mut triangles, mut spheres) = (Vec::new(), Vec::new());
         let mut dropped = 0;
@@ -98,7 +117,7 @@ impl Native {
         }
         let mut stats =
             BuildStats { triangles: triangles.len(), spheres: spheres.len(), dropped, ..Default::default() };
-        let triangles = collapse::bvh8(&mut triangles, quality, |prims| {
+        let triangles = collapse::bvh8(&mut triangles, quality, (&what, counts.cure()), |prims| {
             let mesh = |id: u32| match &geometry[id as usize].shape {
                 Shape::Mesh(mesh) => mesh,
                 _ => unreachable!("a reference to a triangle names a mesh"),
@@ -110,8 +129,8 @@ impl Native {
             let mut triangles: arrayvec::ArrayVec<_, 8> = prims.iter().map(of).collect();
             largest_first(&mut triangles, |([a, b, c], ..)| (*b - *a).cross(*c - *a).length_squared());
             Tri8::new(&triangles)
-        });
-        let spheres = collapse::bvh8(&mut spheres, quality, |prims| {
+        })?;
+        let spheres = collapse::bvh8(&mut spheres, quality, (&what, counts.cure()), |prims| {
             let of = |p: &PrimRef| {
                 let g = &geometry[p.id().0 as usize];
                 let Shape::Sphere(sphere) = g.shape else { unreachable!("a reference to a sphere names one") };
@@ -120,13 +139,13 @@ impl Native {
             let mut spheres: arrayvec::ArrayVec<_, 8> = prims.iter().map(of).collect();
             largest_first(&mut spheres, |(sphere, ..)| sphere.radius);
             Sphere8::new(&spheres)
-        });
+        })?;
         stats.nodes = triangles.nodes.len() + spheres.nodes.len();
         stats.leaves = triangles.leaves.len() + spheres.leaves.len();
         stats.depth = triangles.depth.max(spheres.depth);
         stats.bytes = triangles.bytes() + spheres.bytes();
         stats.time = start.elapsed();
-        Self { triangles, spheres, stats }
+        Ok(Self { triangles, spheres, stats })
     }
 
     /// The trees byte by byte, to tell whether two builds came out the same.

@@ -13,6 +13,9 @@ const WORTH: f64 = 0.002;
 /// Of all nodes, those with the largest boxes are tried in a round: one in so many.
 const ONE_IN: usize = 2;
 
+/// Bytes of a node while the tree is improved.
+pub(super) const NODE_BYTES: usize = size_of::<Node>();
+
 /// No node.
 const NONE: u32 = u32::MAX;
 

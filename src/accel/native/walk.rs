@@ -12,7 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::bvh8::{Bvh8, Child};
 use super::leaf::{Best, Leaf, Met, Tags};
-use super::{BuildQuality, BuildStats, Coherence, Intersector, Native};
+use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector, Native};
+use crate::Result;
 use crate::geometry::slab::{SlabRay, upper_end};
 use crate::geometry::triangle_test::{
     Certified, Meeting, MollerTrumbore, PlaneArea, Pluecker, TriangleModel, TriangleTest, Watertight,
@@ -20,6 +21,7 @@ use crate::geometry::triangle_test::{
 use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, sphere};
 use crate::math::Real;
 use crate::simd::{Division, F32x8, Guess, Mask8, NewtonStep, Reciprocal, ReciprocalModel, Vec3x8};
+use crate::system::memory;
 
 /// The native hierarchy with a triangle test and a reciprocal of choice. Planes are left to [`super::super::Unbounded`].
 #[derive(Debug)]
@@ -87,7 +89,10 @@ struct Kernels {
 }
 
 impl Walk {
-    /// Builds over the meshes and spheres of `geometry`, as [`Native::build_as`] does.
+    /// [`Walk::try_build`] where there is memory for it.
+    ///
+    /// # Panics
+    /// Where there is none.
     #[must_use]
     pub fn build(
         geometry: &[Geometry],
@@ -95,7 +100,25 @@ impl Walk {
         triangles: TriangleModel,
         reciprocal: ReciprocalModel,
     ) -> Self {
-        let native = Native::build_as(geometry, quality);
+        Self::try_build(geometry, quality, triangles, reciprocal).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// Builds over the meshes and spheres of `geometry`, as [`Native::try_build_as`] does.
+    ///
+    /// # Errors
+    /// As [`Native::try_build_as`].
+    pub fn try_build(
+        geometry: &[Geometry],
+        quality: BuildQuality,
+        triangles: TriangleModel,
+        reciprocal: ReciprocalModel,
+    ) -> Result<Self> {
+        let native = Native::try_build_as(geometry, quality)?;
+        // Leaves are written anew, of one kind after the other.
+        let leaves =
+            native.triangles.leaves.len() * size_of::<Corners>() + native.spheres.leaves.len() * size_of::<Balls>();
+        let counts = Counts::of(geometry);
+        memory::need(&counts.named("the hierarchy over"), leaves as u64, counts.cure())?;
         let nan = Vec3x8::splat(glam::Vec3::NAN);
         let tags = |ids: &[(u32, u32)]| Tags::new(ids.iter().map(|&(g, p)| (g, p, geometry[g as usize].mask.0)));
         let trees = Trees {
@@ -126,7 +149,7 @@ impl Walk {
             TriangleModel::Certified => Kernels::of::<Certified>(reciprocal),
         };
         let [tested, settled] = [AtomicU64::new(0), AtomicU64::new(0)];
-        Self { trees, kernels, stats: native.stats, tested, settled }
+        Ok(Self { trees, kernels, stats: native.stats, tested, settled })
     }
 
     /// Lanes of triangle tests so far.

@@ -20,10 +20,15 @@ pub use margin::{Contact, Margin};
 pub use ray::{Hit64, Ray64};
 pub use verdict::{Cause, Examined, Fault, Verdict};
 
-use super::BuildStats;
+use super::{BuildStats, Counts};
+use crate::Result;
 use crate::geometry::Geometry;
+use crate::system::memory;
 use primitive::{Form, Primitive, Probe};
 use tree::{EXACT, Tree};
+
+/// Bytes of a primitive in a list that grows by doubling.
+const PRIMITIVE_BYTES: usize = 2 * size_of::<Primitive>();
 
 /// Shapes to be met, in `f64`.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +40,16 @@ pub struct Reference {
 }
 
 impl Reference {
+    /// Checks that there is memory for a hierarchy over `geometry`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`](crate::Error::Limit), where there is none.
+    pub fn need(geometry: &[Geometry]) -> Result<()> {
+        let counts = Counts::of(geometry);
+        let bytes = counts.triangles.saturating_add(counts.spheres).saturating_mul(Tree::BYTES_EACH + PRIMITIVE_BYTES);
+        memory::need(&counts.named("the f64 hierarchy over"), bytes as u64, counts.cure())
+    }
+
     /// Takes in the shapes. What cannot be hit is left out and counted.
     #[must_use]
     pub fn build(geometry: &[Geometry]) -> Self {

@@ -86,6 +86,10 @@ pub(super) struct Tree {
 }
 
 impl Tree {
+    /// The most bytes that a build takes for each primitive: its box while it is sorted, its place in `order` and, as
+    /// halving fills leaves at least half, a node; all in lists that grow by doubling.
+    pub const BYTES_EACH: usize = 2 * (size_of::<(usize, Box64)>() + size_of::<usize>() + size_of::<Node>());
+
     pub fn build(primitives: &[Primitive]) -> Self {
         let mut items = Vec::new();
         let mut tree = Self::default();

@@ -1,15 +1,25 @@
 //! Numbers within their ranges.
 
-fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
-    text.parse().map_err(|_| String::from("not a number"))
+fn parsed<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|_| String::from("not a number"))
 }
 
-/// A difference of a channel: a fraction or a number.
+/// A number, or a fraction of two.
+fn number(text: &str) -> Result<f64, String> {
+    match text.split_once('/') {
+        Some((above, below)) => Ok(parsed::<f64>(above)? / parsed::<f64>(below)?),
+        None => parsed(text),
+    }
+}
+
+/// [`number`], rounded once.
+fn number32(text: &str) -> Result<f32, String> {
+    if text.contains('/') { Ok(number(text)? as f32) } else { parsed(text) }
+}
+
+/// A difference of a channel.
 pub(super) fn bound(text: &str) -> Result<f64, String> {
-    let value: f64 = match text.split_once('/') {
-        Some((above, below)) => number::<f64>(above)? / number::<f64>(below)?,
-        None => number(text)?,
-    };
+    let value = number(text)?;
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {
@@ -18,38 +28,54 @@ pub(super) fn bound(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn cutoff(text: &str) -> Result<f32, String> {
-    let x: f32 = number(text)?;
+    let x = number32(text)?;
     if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
 }
 
 pub(super) fn above_minus_one(text: &str) -> Result<f64, String> {
-    let x: f64 = number(text)?;
+    let x = number(text)?;
     if x > -1.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above -1")) }
 }
 
 pub(super) fn above_zero(text: &str) -> Result<f32, String> {
-    let x: f32 = number(text)?;
+    let x = number32(text)?;
     if x > 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above 0")) }
 }
 
 pub(super) fn exposure(text: &str) -> Result<f32, String> {
-    let x: f32 = number(text)?;
+    let x = number32(text)?;
     if (-64.0..=64.0).contains(&x) { Ok(x) } else { Err(String::from("not in -64 to 64")) }
 }
 
 pub(super) fn share(text: &str) -> Result<f64, String> {
-    let x: f64 = number(text)?;
+    let x = number(text)?;
     if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
 }
 
 pub(super) fn not_negative(text: &str) -> Result<f64, String> {
-    let x: f64 = number(text)?;
+    let x = number(text)?;
     if x >= 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number of at least 0")) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fraction_is_a_number_wherever_one_may_stand() {
+        let fraction = Ok(1.0 / 512.0);
+        assert_eq!(
+            (bound("1/512"), not_negative("1/512"), share("1/512"), above_minus_one("1/512")),
+            (fraction.clone(), fraction.clone(), fraction.clone(), fraction)
+        );
+        assert_eq!(
+            (cutoff("1/512"), above_zero("1/512"), exposure("-3/2")),
+            (Ok(1.0 / 512.0), Ok(1.0 / 512.0), Ok(-1.5))
+        );
+        for text in ["1/0", "0/0", "1/", "/2", "1/2/3", "a/b"] {
+            assert!(bound(text).is_err() && cutoff(text).is_err() && not_negative(text).is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn numbers_that_are_none_are_refused() {

@@ -1,11 +1,9 @@
 //! What becomes of the settings that a scene gives its picture.
 
 use crate::cli::args::{SettingsArgs, ShadowsArg};
+use crate::image::MOST_PIXELS;
 use crate::scene::{Settings, ShadowRule};
 use crate::{Error, Result};
-
-/// Pixels that one picture may have: 2^27, some 6 GiB while it is rendered.
-const MOST_PIXELS: u64 = 1 << 27;
 
 /// Settings of the scene that the command line replaces.
 #[derive(Clone, Copy, Debug, Default)]

@@ -21,22 +21,22 @@ pub(super) struct Contenders {
 
 impl Contenders {
     /// Builds all of them over the shapes of `scene`.
-    pub fn build(scene: &Scene, bvh: BuildQuality, threads: usize) -> Self {
+    pub fn build(scene: &Scene, bvh: BuildQuality, threads: usize) -> Result<Self> {
         let geometry = &scene.geometry;
-        let native = Unbounded::new(Native::build_as(geometry, bvh), geometry);
+        let native = Unbounded::new(Native::try_build_as(geometry, bvh)?, geometry);
         #[cfg(feature = "embree")]
         {
             let (embree, left_out) = match embree(scene, bvh, threads) {
                 Ok(embree) => (embree, None),
                 Err(e) => (Vec::new(), Some(e.to_string())),
             };
-            Self { bvh, native, embree, left_out }
+            Ok(Self { bvh, native, embree, left_out })
         }
         #[cfg(not(feature = "embree"))]
         {
             let _ = threads;
             let why = "this program was built without it; `cargo build --release --features embree` builds one with it";
-            Self { bvh, native, left_out: Some(why.into()) }
+            Ok(Self { bvh, native, left_out: Some(why.into()) })
         }
     }
 
@@ -102,7 +102,7 @@ mod tests {
         // Large enough that each quality makes another tree of it.
         let ball = Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE };
         let scene = Scene { geometry: vec![ball], ..Scene::default() };
-        let built = BuildQuality::ALL.map(|bvh| Contenders::build(&scene, bvh, 1));
+        let built = BuildQuality::ALL.map(|bvh| Contenders::build(&scene, bvh, 1).unwrap());
         let nodes = [0, 1, 2].map(|i| built[i].native.build_stats().nodes);
         assert_eq!(nodes, BuildQuality::ALL.map(|bvh| Native::build_as(&scene.geometry, bvh).build_stats().nodes));
         assert!(nodes[0] != nodes[1] && nodes[1] != nodes[2] && nodes[2] != nodes[0], "{nodes:?}");

@@ -33,9 +33,12 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     // The middle of a pixel alone, so that its value belongs to one ray.
     scene.settings.samples = 1;
 
+    // Twice: for the rays, and for the pictures.
+    Reference::need(&scene.geometry)?;
     let reference = Reference::build(&scene.geometry);
-    let contenders = Contenders::build(&scene, job.bvh, options.thread_count());
+    let contenders = Contenders::build(&scene, job.bvh, options.thread_count())?;
     let sets = sets(&reference, &scene.geometry, &view::of(&scene), job.rays);
+    Reference::need(&scene.geometry)?;
     let prepared = Prepared::new(&scene, FresnelModel::Exact);
 
     let rays: usize = sets.iter().map(|set| set.rays.len()).sum();

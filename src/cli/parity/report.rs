@@ -408,7 +408,8 @@ mod tests {
         let Command::Parity(args) = <Cli as clap::Parser>::parse_from(["vitrum", "parity", "a.toml"]).command else {
             unreachable!("parity was asked for")
         };
-        let (job, contenders) = (Parity::from(args), Contenders::build(&Scene::default(), BuildQuality::Default, 1));
+        let (job, contenders) =
+            (Parity::from(args), Contenders::build(&Scene::default(), BuildQuality::Default, 1).unwrap());
         let set = Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new() };
         let count = contenders.names().len();
         let mut records = vec![Records::default(); count];

@@ -15,7 +15,8 @@ use super::backend;
 use super::backend::Backend;
 use super::options::{Pixel, refuse_input};
 use super::{Verdict, interrupt, output};
-use crate::accel::{Intersector, Unbounded, native::Native};
+use crate::accel::reference::Reference;
+use crate::accel::{BuildQuality, Intersector, Unbounded, native::Native};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::record::Tree;
 use crate::render::reference::Prepared;
@@ -56,6 +57,7 @@ pub(super) fn run(job: &Pixel) -> Result<Verdict> {
     backend::start_threads(&job.options)?;
 
     let narrow = interrupt::heeded(|| narrow(job, &scene, &observer))?;
+    Reference::need(&scene.geometry)?;
     let prepared = Prepared::with(&scene, &job.options);
     let (tally, tree) = prepared.recorded(job.x, job.y);
     let wide = Side { radiance: tally.radiance.to_array(), truncated: tally.truncated.to_array(), tree };
@@ -113,7 +115,7 @@ fn narrow(job: &Pixel, scene: &Scene, observer: &Observer) -> Result<Side> {
             let options = embree::Options { mode, threads: 1, ..embree::Options::default() };
             recorded(Embree::build(&scene.geometry, &options)?, job, scene, observer)
         }
-        _ => recorded(Native::build(&scene.geometry), job, scene, observer),
+        _ => recorded(Native::try_build_as(&scene.geometry, BuildQuality::Default)?, job, scene, observer),
     }
 }
 

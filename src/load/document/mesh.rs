@@ -11,10 +11,14 @@ use crate::load::obj;
 use crate::load::shapes::{self, Wave};
 use crate::load::transform::{Transform, facing, flip, within_limit};
 use crate::scene::Origin;
+use crate::system::memory;
 use crate::{Error, Result};
 
 /// The finest tessellation: beyond it a shape has more triangles than a scene may.
 const FINEST: u32 = 16_384;
+/// The most bytes that a shape's triangle takes: indices of corners, normals and texture coordinates, and up to one of
+/// each, in lists that grow by doubling.
+const BYTES_A_TRIANGLE: u64 = 2 * (3 * 12 + 12 + 12 + 8);
 /// Waves of one height field; each costs its sine at every corner.
 const MOST_WAVES: usize = 256;
 /// Bend up to which a lathe's profile is shaded smoothly, in degrees, where nothing else is said.
@@ -140,7 +144,10 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
     let mut steps = |default: Option<u32>, triangles: fn(u64) -> u64| -> Result<Option<u32>> {
         let steps = table.opt("tessellation", |v| v.whole(1..=FINEST))?.or(default);
         if let Some(n) = steps {
-            assembly.take_triangles(triangles(u64::from(n)))?;
+            let count = triangles(u64::from(n));
+            assembly.take_triangles(count)?;
+            let what = format!("`{name}` of {count} triangles");
+            memory::need(&what, count.saturating_mul(BYTES_A_TRIANGLE), "take a coarser tessellation")?;
         }
         Ok(steps)
     };
@@ -205,7 +212,10 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
                 }
             })?;
             let n = steps(Some(64), |n| 2 * n)?.unwrap_or(64);
-            assembly.take_triangles((2 * u64::from(n)).saturating_mul(profile.len() as u64))?;
+            let count = (2 * u64::from(n)).saturating_mul(profile.len() as u64);
+            assembly.take_triangles(count)?;
+            let what = format!("`{name}` of up to {count} triangles");
+            memory::need(&what, count.saturating_mul(BYTES_A_TRIANGLE), "take a coarser tessellation")?;
             shapes::lathe(&profile, n, crease).map_err(|e| value.error(e))?.into()
         }
         Kind::Heightfield => {

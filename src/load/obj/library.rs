@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::lines::Lines;
 use super::scan::short;
 use crate::load::assembly::Assembly;
-use crate::load::source::read;
+use crate::system::files::read;
 use crate::{Error, Result};
 
 /// The dissolve and the transparency of a material may differ by this much and still say the same.

@@ -17,9 +17,11 @@ use std::path::Path;
 use self::library::Library;
 use super::assembly::{Assembly, Pending};
 use super::draft::Draft;
-use super::source::{folder_of, read};
+use super::source::folder_of;
 use super::transform::Transform;
 use crate::scene::{Material, Origin};
+use crate::system::files::read;
+use crate::system::memory;
 use crate::{Error, Result};
 
 /// How a model is taken into a scene.
@@ -57,7 +59,7 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     let parts = parts::parts(path, &scan, &materials, &mut assembly.reporter)?;
     assembly.reporter.model(path, scan.faces.len(), dropped_before);
     if parts.is_empty() {
-        return Err(Error::file(path, "has no triangles"));
+        return Err(Error::file(path, no_triangles(&scan, assembly)));
     }
     assembly.take_triangles(parts.iter().map(|p| p.triangles.len() as u64).sum())?;
     let meshes = parts::meshes(path, &scan, &parts, &mut assembly.reporter)?;
@@ -81,6 +83,9 @@ fn text<'b>(path: &Path, bytes: &'b [u8], assembly: &mut Assembly<'_>) -> Result
         let line = 1 + bytes[..at].iter().filter(|&&b| b == b'\n').count();
         let kind = "bytes that are not UTF-8 are read as the replacement character";
         assembly.reporter.warn(path, line, kind, || format!(": byte 0x{:02x} at offset {at}", bytes[at]))?;
+        // Each such byte becomes three, in a text that grows by doubling.
+        let what = format!("the text of {}", path.display());
+        memory::need(&what, 6 * bytes.len() as u64, "save the file as UTF-8")?;
     }
     Ok(String::from_utf8_lossy(bytes))
 }
@@ -133,4 +138,16 @@ fn materials(path: &Path, scan: &scan::Scan, assembly: &mut Assembly<'_>) -> Res
         places.push(place);
     }
     Ok(places)
+}
+
+/// The message for a model without triangles: what became of its faces.
+fn no_triangles(scan: &scan::Scan, assembly: &Assembly<'_>) -> String {
+    match (scan.faces.len(), assembly.reporter.most_dropped()) {
+        (0, _) | (_, None) => String::from("has no triangles: there is no face (`f`) in it"),
+        (faces, Some(reason)) => format!(
+            "has no triangles: all of its faces ({faces}) were left out, most of them for {reason}; corners of a face \
+             must be finite, within {:e}, and apart",
+            crate::geometry::COORDINATE_LIMIT
+        ),
+    }
 }

@@ -1,17 +1,17 @@
 //! From checked statements to meshes: faces cut into triangles and sorted by material, and `tobj` to index them.
 
-use std::fmt::Write;
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::polygon::{MOST_CONCAVE_CORNERS, triangulate};
-use super::scan::{Corner, NONE, Scan};
+use super::polygon::{MOST_CONCAVE_CORNERS, Refusal, triangulate};
+use super::scan::{CURE, Corner, NONE, Scan};
 use crate::geometry::TriMesh;
 use crate::load::draft::MeshDraft;
 use crate::load::extent::within;
 use crate::load::report::Reporter;
+use crate::system::memory;
 use crate::{Error, Result};
 
 /// The triangles of one material.
@@ -31,6 +31,7 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
     let mut parts: Vec<Part> = Vec::new();
     let mut places = std::collections::HashMap::new();
     let (mut corners, mut points, mut cut) = (Vec::new(), Vec::new(), Vec::new());
+    let what = format!("the triangles of {}", file.display());
     for face in &scan.faces {
         let line = face.line as usize;
         corners.clear();
@@ -42,7 +43,11 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
         }
         let position = |c: &Corner| scan.positions[c.v as usize];
         if let Some(bad) = corners.iter().map(position).find(|&p| !within(p, scan.widest)) {
-            reporter.dropped("a corner that is not finite");
+            reporter.dropped(if bad.is_finite() {
+                "a corner beyond the largest coordinate"
+            } else {
+                "a corner that is not finite"
+            });
             let kind = format!("faces with a corner that is not finite or beyond {:.1e} are left out", scan.widest);
             reporter.warn(file, line, &kind, || format!(": corner {bad}"))?;
             continue;
@@ -59,12 +64,15 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
         points.clear();
         points.extend(corners.iter().map(position));
         cut.clear();
-        triangulate(&points, rounding(&points, scan.precise), &mut cut).map_err(|n| {
-            Error::at(
-                file,
-                line,
-                format!("a face with a dent has {n} corners, too many to cut it into triangles (at most {MOST_CONCAVE_CORNERS})"),
-            )
+        triangulate(&points, rounding(&points, scan.precise), &mut cut).map_err(|refusal| {
+            let why = match refusal {
+                Refusal::TooManyCorners => format!("at most {MOST_CONCAVE_CORNERS} are cut into triangles"),
+                Refusal::TooSlow => {
+                    String::from("its outline winds so much that cutting it into triangles takes too long")
+                }
+            };
+            let count = points.len();
+            Error::at(file, line, format!("a face with a dent has {count} corners; {why}; triangulate it beforehand"))
         })?;
         check_attributes(file, line, scan, &mut corners, reporter)?;
         let group = group[face.material as usize];
@@ -83,8 +91,8 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
             }
             part.with_uvs += usize::from(triangle[0].vt != NONE);
             part.with_normals += usize::from(triangle[0].vn != NONE);
-            part.triangles.push(triangle);
-            part.lines.push(face.line);
+            memory::push(&mut part.triangles, triangle, &what, CURE)?;
+            memory::push(&mut part.lines, face.line, &what, CURE)?;
         }
     }
     parts.retain(|p| !p.triangles.is_empty());
@@ -131,32 +139,32 @@ fn usable_normal(n: Vec3) -> bool {
 /// `tobj` gets a text in which nothing is left to misread: finite numbers, absolute indices in range, triangles
 /// only, one object a part, and attributes at every corner of a part or at none.
 pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Reporter) -> Result<Vec<MeshDraft>> {
-    let mut text = String::new();
+    let mut text = Text { bytes: Vec::new(), what: format!("the meshes of {}", file.display()) };
     for p in &scan.positions {
         // Corners that are not finite belong to faces that were left out; their places still count.
         let p = if p.is_finite() { *p } else { DVec3::ZERO };
         if scan.precise {
-            push(&mut text, format_args!("v {} {} {}\n", p.x, p.y, p.z));
+            text.push(format_args!("v {} {} {}\n", p.x, p.y, p.z))?;
         } else {
             // Of fewer digits.
             let p = p.as_vec3();
-            push(&mut text, format_args!("v {} {} {}\n", p.x, p.y, p.z));
+            text.push(format_args!("v {} {} {}\n", p.x, p.y, p.z))?;
         }
     }
     for uv in &scan.uvs {
-        push(&mut text, format_args!("vt {} {}\n", uv.x, uv.y));
+        text.push(format_args!("vt {} {}\n", uv.x, uv.y))?;
     }
     for n in &scan.normals {
         let n = if usable_normal(*n) { n.as_dvec3().normalize().as_vec3() } else { Vec3::Y };
-        push(&mut text, format_args!("vn {} {} {}\n", n.x, n.y, n.z));
+        text.push(format_args!("vn {} {} {}\n", n.x, n.y, n.z))?;
     }
     let (mut uvs, mut normals) = (scan.uvs.len(), scan.normals.len());
     for part in parts {
-        push(&mut text, format_args!("o {}\n", part.group));
+        text.push(format_args!("o {}\n", part.group))?;
         if part.with_uvs > 0 && part.with_uvs < part.triangles.len() {
             let kind = "faces without texture coordinates among such that have them take the picture's corner";
             reporter.warn(file, part.lines[0] as usize, kind, String::new)?;
-            text.push_str("vt 0 0\n");
+            text.push(format_args!("vt 0 0\n"))?;
             uvs += 1;
         }
         for triangle in &part.triangles {
@@ -166,25 +174,26 @@ pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Re
             }
             if part.with_normals > 0 && triangle[0].vn == NONE {
                 let n = flat_normal(triangle.map(|c| scan.positions[c.v as usize]));
-                push(&mut text, format_args!("vn {} {} {}\n", n.x, n.y, n.z));
+                text.push(format_args!("vn {} {} {}\n", n.x, n.y, n.z))?;
                 triangle.iter_mut().for_each(|c| c.vn = normals as u32);
                 normals += 1;
             }
-            text.push('f');
+            text.push(format_args!("f"))?;
             for c in triangle {
                 let index = |i: u32| u64::from(i) + 1;
                 match (c.vt, c.vn) {
-                    (NONE, NONE) => push(&mut text, format_args!(" {}", index(c.v))),
-                    (vt, NONE) => push(&mut text, format_args!(" {}/{}", index(c.v), index(vt))),
-                    (NONE, vn) => push(&mut text, format_args!(" {}//{}", index(c.v), index(vn))),
-                    (vt, vn) => push(&mut text, format_args!(" {}/{}/{}", index(c.v), index(vt), index(vn))),
+                    (NONE, NONE) => text.push(format_args!(" {}", index(c.v)))?,
+                    (vt, NONE) => text.push(format_args!(" {}/{}", index(c.v), index(vt)))?,
+                    (NONE, vn) => text.push(format_args!(" {}//{}", index(c.v), index(vn)))?,
+                    (vt, vn) => text.push(format_args!(" {}/{}/{}", index(c.v), index(vt), index(vn)))?,
                 }
             }
-            text.push('\n');
+            text.push(format_args!("\n"))?;
         }
     }
+    memory::need(&text.what, indexing_bytes(parts, [scan.positions.len(), uvs, normals]), CURE)?;
     let (models, _) =
-        tobj::load_obj_buf(&mut Cursor::new(text), &tobj::LoadOptions::default(), |_| Ok(Default::default()))
+        tobj::load_obj_buf(&mut Cursor::new(text.bytes), &tobj::LoadOptions::default(), |_| Ok(Default::default()))
             .map_err(|e| Error::file(file, format!("cannot be indexed: {e}")))?;
     if models.len() != parts.len()
         || models.iter().zip(parts).any(|(m, p)| m.mesh.indices.len() != 3 * p.triangles.len())
@@ -192,6 +201,49 @@ pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Re
         return Err(Error::file(file, "cannot be indexed: triangles were lost"));
     }
     Ok(models.into_iter().zip(parts).map(|(model, part)| mesh(model.mesh, part)).collect())
+}
+
+/// The most that indexing takes, in bytes: `tobj`'s lists, and the meshes made of them. `counts` are those of positions,
+/// texture coordinates and normals.
+///
+/// `tobj` has three lists of numbers of the whole text and three of a part, a hash map from 8 to 4 bytes for each of these,
+/// the faces of a part in 104 bytes each, and three lists of indices. Its lists grow by doubling, and a hash map is seven
+/// eighths full at most. What it makes is copied once.
+fn indexing_bytes(parts: &[Part], counts: [usize; 3]) -> u64 {
+    let list = |count: usize, each: usize| count.next_power_of_two().saturating_mul(each);
+    let kind = |(count, used): (usize, bool)| {
+        if !used {
+            return list(3 * count, 8);
+        }
+        let map = list(count / 7 * 8 + 8, 17);
+        let indices: usize = parts.iter().map(|p| list(3 * p.triangles.len(), 4) + 12 * p.triangles.len()).sum();
+        2 * list(3 * count, 8) + 24 * count + map + indices
+    };
+    let used = [true, parts.iter().any(|p| p.with_uvs > 0), parts.iter().any(|p| p.with_normals > 0)];
+    let largest = parts.iter().map(|p| p.triangles.len()).max().unwrap_or(0);
+    (counts.into_iter().zip(used).map(kind).sum::<usize>() + list(largest, 104)) as u64
+}
+
+/// The text for `tobj`.
+struct Text {
+    bytes: Vec<u8>,
+    /// Its name in messages.
+    what: String,
+}
+
+impl Text {
+    /// Bytes that no piece of a line exceeds: three numbers of up to 60 characters.
+    const PIECE: usize = 256;
+
+    fn push(&mut self, arguments: std::fmt::Arguments<'_>) -> Result<()> {
+        if self.bytes.capacity() - self.bytes.len() < Self::PIECE {
+            let more = (self.bytes.len() / 2).max(1 << 12);
+            memory::reserve(&mut self.bytes, more, &self.what, CURE)?;
+        }
+        // Writing to a vector cannot fail.
+        let _ = self.bytes.write_fmt(arguments);
+        Ok(())
+    }
 }
 
 fn mesh(mesh: tobj::Mesh, part: &Part) -> MeshDraft {
@@ -212,9 +264,4 @@ fn mesh(mesh: tobj::Mesh, part: &Part) -> MeshDraft {
 /// The unit normal of a triangle; up where it has no area (no ray meets it).
 fn flat_normal([a, b, c]: [DVec3; 3]) -> Vec3 {
     (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
-}
-
-fn push(text: &mut String, arguments: std::fmt::Arguments<'_>) {
-    // Writing to a string cannot fail.
-    let _ = text.write_fmt(arguments);
 }

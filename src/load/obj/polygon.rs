@@ -7,14 +7,23 @@ pub(super) const MOST_CONCAVE_CORNERS: usize = 8_192;
 /// Corners looked at while cutting one polygon before it counts as too much: some seconds.
 const MOST_LOOKS: u64 = 1 << 30;
 
+/// Why a polygon is not cut up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Refusal {
+    /// It has a dent and more than [`MOST_CONCAVE_CORNERS`].
+    TooManyCorners,
+    /// Cutting it exceeds [`MOST_LOOKS`].
+    TooSlow,
+}
+
 /// Cuts the polygon through `points` into `points.len() - 2` triangles of indices into it, without overlap for any
 /// simple polygon near a plane: a fan where its first corner sees all of it, else ear by ear (Meisters 1975). Corners on a
 /// straight edge stay, since neighbours may need them, and may leave triangles without area. Coordinates are off by as
 /// much as `rounding`: dents of that size are none.
 ///
 /// # Errors
-/// The number of corners, where it has a dent and is too large to cut up.
-pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), usize> {
+/// Where it has a dent and is too large or too winding to cut up.
+pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), Refusal> {
     let count = points.len();
     if count == 3 {
         out.push([0, 1, 2]);
@@ -26,9 +35,9 @@ pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize;
         return Ok(());
     }
     if count > MOST_CONCAVE_CORNERS {
-        return Err(count);
+        return Err(Refusal::TooManyCorners);
     }
-    if cut_ears(&flat, out) { Ok(()) } else { Err(count) }
+    if cut_ears(&flat, out) { Ok(()) } else { Err(Refusal::TooSlow) }
 }
 
 /// The polygon seen along its mean normal (Newell's method), counter-clockwise, around its first corner.

@@ -10,13 +10,17 @@ use crate::geometry::COORDINATE_LIMIT;
 use crate::load::Limits;
 use crate::load::extent::{Extent, within};
 use crate::load::report::Reporter;
+use crate::system::memory;
 use crate::{Error, Result};
+
+/// Cure for a model that is too large for the memory there is.
+pub(super) const CURE: &str = "take a smaller model";
 
 /// An index that a corner does not have.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// One corner of a face: places of its position, texture coordinate and normal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Corner {
     pub v: u32,
     pub vt: u32,
@@ -24,7 +28,7 @@ pub(super) struct Corner {
 }
 
 /// One face as written.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Face {
     pub line: u32,
     /// Its corners, a range of [`Scan::corners`].
@@ -62,6 +66,7 @@ pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, report
     let mut places = std::collections::HashMap::from([(String::new(), 0u32)]);
     let mut material = 0;
     let limit = limits.vertices.min(u64::from(NONE - 1)) as usize;
+    let what = format!("the vertices and faces of {}", file.display());
     for (line, text) in Lines::new(text) {
         let at = Place { file, line };
         if text.len() > limits.line_bytes {
@@ -82,7 +87,7 @@ pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, report
                         format!(": `{}`", short(code))
                     })?;
                 }
-                scan.positions.push(DVec3::from(position));
+                memory::push(&mut scan.positions, DVec3::from(position), &what, CURE)?;
             }
             "vt" => {
                 let first = words.next().unwrap_or("");
@@ -97,20 +102,24 @@ pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, report
                         || format!(": `{}`", short(code)),
                     )?;
                 }
-                scan.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+                let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
+                memory::push(&mut scan.uvs, uv, &what, CURE)?;
             }
-            "vn" => scan.normals.push(Vec3::from(at.numbers(code, &mut words, narrow)?)),
+            "vn" => {
+                let normal = Vec3::from(at.numbers(code, &mut words, narrow)?);
+                memory::push(&mut scan.normals, normal, &what, CURE)?;
+            }
             "f" | "fo" => {
                 let first = scan.corners.len();
                 for word in words {
                     let corner = at.corner(word, &scan)?;
-                    scan.corners.push(corner);
+                    memory::push(&mut scan.corners, corner, &what, CURE)?;
                 }
                 if scan.faces.len() as u64 >= limits.triangles {
                     return Err(Error::Limit(format!("{}: more than {} faces", file.display(), limits.triangles)));
                 }
                 let count = scan.corners.len() - first;
-                scan.faces.push(Face { line, first, count, material });
+                memory::push(&mut scan.faces, Face { line, first, count, material }, &what, CURE)?;
             }
             "usemtl" => {
                 let name = statement[keyword.len()..].trim();

@@ -33,6 +33,7 @@ use crate::geometry::contact::Contacts;
 use crate::image::Film;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
 use crate::scene::{Bodies, Material, Scene};
+use crate::system::threads;
 use crate::{Error, Result};
 use media::{Filled, MediumStack};
 pub use tally::Tally;
@@ -217,8 +218,9 @@ struct Row {
 /// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads or memory for
 /// the picture cannot be had; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
-    super::room::check(&scene.settings)?;
+    super::room::need(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
+    Reference::need(&scene.geometry)?;
     picture(&Prepared::with(scene, options), options, observer)
 }
 
@@ -230,10 +232,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
     if let Err(reason) = &prepared.tolls {
         return Err(Error::Usage(reason.clone()));
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
-        .build()
-        .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.threads)))?;
+    let pool = threads::pool(options.thread_count())?;
     let settings = &prepared.scene.settings;
     let (width, height) = (settings.width, settings.height);
     let rows: Vec<Row> =

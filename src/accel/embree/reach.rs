@@ -1,0 +1,92 @@
+//! The sizes at which Embree finds what it should.
+//!
+//! Embree's triangle tests compute the distance along a ray as a quotient whose numerator multiplies a distance by the product
+//! of two edges, `v0 . (e1 x e2)`. In `f32` such a product of three lengths overflows, and underflows, long before its
+//! factors do. An infinite distance is no hit, and neither is one of 0, so that meshes vanish without an error: tessellated
+//! balls seen from thirty radii away from a radius of 1e13 up (Embree 4.4.0, both modes), and all balls from 1e-15 down.
+//! The native path scales its products and holds to [`COORDINATE_LIMIT`](crate::geometry::COORDINATE_LIMIT).
+
+use rayon::prelude::*;
+
+use crate::geometry::{Geometry, Shape, TriMesh};
+
+/// The largest coordinate that Embree is given, in scene units: two edges of 2e12 and a distance of eighty times that
+/// coordinate multiply to the largest `f32`.
+pub const MOST: f32 = 1e12;
+
+/// The least that the largest coordinate of all meshes may be: edges and distances of a tenth of it multiply to the least
+/// normal `f32`, but for a factor of ten.
+pub const LEAST: f32 = 1e-12;
+
+/// A shape that Embree would lose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost {
+    /// Its place in the list.
+    pub shape: usize,
+    /// Why, in words that follow its name.
+    pub why: &'static str,
+}
+
+/// The first of the shapes that Embree would lose.
+#[must_use]
+pub fn lost(geometry: &[Geometry]) -> Option<Lost> {
+    let mut meshes = None;
+    for (shape, g) in geometry.iter().enumerate() {
+        let size = match &g.shape {
+            Shape::Mesh(mesh) => farthest(mesh),
+            Shape::Sphere(s) if s.is_usable() => s.centre.abs().max_element() + s.radius,
+            Shape::Sphere(_) | Shape::Plane(_) => 0.0,
+        };
+        if size > MOST {
+            return Some(Lost { shape, why: "reaches beyond 1e12, where Embree loses hits" });
+        }
+        if matches!(g.shape, Shape::Mesh(_)) && size > 0.0 {
+            let (first, largest) = meshes.unwrap_or((shape, 0.0_f32));
+            meshes = Some((first, largest.max(size)));
+        }
+    }
+    let (shape, _) = meshes.filter(|&(_, largest)| largest < LEAST)?;
+    Some(Lost { shape, why: "lies within 1e-12 of the origin, where Embree loses hits" })
+}
+
+/// The largest coordinate of a triangle that can be hit; 0 where there is none.
+fn farthest(mesh: &TriMesh) -> f32 {
+    let size = |p: &glam::Vec3| p.abs().max_element();
+    let all = mesh.positions.iter().map(size).fold(0.0, f32::max);
+    // Nearly every mesh is of a size that needs no second look, whatever of it can be hit.
+    if (LEAST..=MOST).contains(&all) && mesh.positions.iter().all(|p| p.is_finite()) {
+        return all;
+    }
+    let usable = (0..mesh.triangles.len()).into_par_iter().filter(|&i| mesh.is_usable(i));
+    usable.map(|i| mesh.corners(i).iter().map(size).fold(0.0, f32::max)).reduce(|| 0.0, f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geometry::{GeometryMask, Plane, Sphere};
+
+    #[test]
+    fn the_first_shape_that_would_be_lost_is_named_and_what_cannot_be_hit_is_not() {
+        let of = |shape| Geometry { shape, mask: GeometryMask::ALL };
+        let ball = |centre, radius| of(Shape::Sphere(Sphere { centre: Vec3::splat(centre), radius }));
+        let mesh = |size: f32, triangles| {
+            let positions = vec![Vec3::ZERO, Vec3::X * size, Vec3::Y * size, Vec3::splat(1e30)];
+            of(Shape::Mesh(TriMesh { positions, triangles, ..TriMesh::default() }))
+        };
+        let plane = of(Shape::Plane(Plane { point: Vec3::splat(1e15), normal: Vec3::Y }));
+        let tiny = mesh(1e-13, vec![[0, 1, 2]]);
+        let near = [mesh(1e12, vec![[0, 1, 2], [0, 1, 3]]), ball(4e11, 5e11), ball(1e30, 1.0), plane, tiny.clone()];
+        assert_eq!(lost(&near), None);
+        for far in [mesh(1.1e12, vec![[0, 1, 2]]), ball(6e11, 5e11), ball(0.0, 1e14)] {
+            let shapes: Vec<_> = near.iter().cloned().chain([far]).collect();
+            assert_eq!(lost(&shapes).map(|l| l.shape), Some(near.len()));
+        }
+        // Small ones are lost only where there are no others, by whose size rays are.
+        assert_eq!(lost(&[ball(0.0, 1.0), tiny]).map(|l| l.shape), Some(1));
+        assert_eq!(lost(&[ball(0.0, 1e-15)]), None);
+        assert_eq!(lost(&[mesh(0.0, vec![[0, 1, 2]])]), None);
+    }
+}

@@ -1,0 +1,70 @@
+//! Wrong usage in one line.
+
+use crate::load::plain_numbers;
+
+/// Characters of a word that is shown as it is.
+const LONGEST_WORD: usize = 80;
+
+/// The message of the command line's parser, which has a line each for what is wrong, values, tips and usage, as one line
+/// that ends in the command that prints the help.
+pub(super) fn one_line(e: &clap::Error) -> String {
+    let text = e.render().to_string();
+    let mut line = String::new();
+    let mut command = String::from("vitrum");
+    for part in text.lines().map(str::trim).filter(|part| !part.is_empty()) {
+        if let Some(usage) = part.strip_prefix("Usage: ") {
+            let words = usage.split(' ').take_while(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
+            command = words.collect::<Vec<_>>().join(" ");
+            break;
+        }
+        if part.starts_with("For more information") {
+            break;
+        }
+        let between = match line.chars().last() {
+            None => "",
+            Some(':') => " ",
+            Some(_) if part.starts_with('[') => " ",
+            Some(_) if part.starts_with('<') || part.starts_with('-') => ", ",
+            Some(_) => "; ",
+        };
+        line = line + between + part;
+    }
+    let words: Vec<String> = plain_numbers(&line).split(' ').map(shortened).collect();
+    format!("{}; see `{command} --help`", words.join(" "))
+}
+
+fn shortened(word: &str) -> String {
+    let count = word.chars().count();
+    if count <= LONGEST_WORD {
+        return word.to_owned();
+    }
+    let half = LONGEST_WORD / 2;
+    word.chars().take(half).chain("...".chars()).chain(word.chars().skip(count - half)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::super::args::Cli;
+    use super::*;
+
+    #[test]
+    fn whatever_is_wrong_is_told_in_one_line_with_the_way_to_the_help() {
+        let long = "9".repeat(300);
+        for (given, said, help) in [
+            ("render a.toml --foo", "unexpected argument '--foo'", "vitrum render --help"),
+            ("render", "required arguments were not provided: <", "--help"),
+            ("render a.toml --width 0", "'0' for '--width", "--help"),
+            (&format!("render a.toml --width {long}"), "1e300", "--help"),
+            ("render a.toml --backend nativ", "[possible values: native", "--help"),
+            ("rendre a.toml", "unrecognized subcommand 'rendre'", "vitrum --help"),
+            ("render a.toml -o", "a value is required", "--help"),
+        ] {
+            let wrong = Cli::try_parse_from(std::iter::once("vitrum").chain(given.split(' '))).unwrap_err();
+            let line = one_line(&wrong);
+            assert!(line.starts_with("error: ") && line.lines().count() == 1 && line.len() < 400, "{line}");
+            assert!(line.contains(said) && line.ends_with("`") && line.contains(help), "{given}: {line}");
+        }
+    }
+}
