@@ -5,9 +5,14 @@
 
 mod dropped;
 mod facts;
+mod inside;
+mod low_poly;
+mod nothing_seen;
 mod notice;
 mod survey;
+mod unlit;
 mod unused;
+mod view;
 
 pub use facts::Facts;
 pub use notice::{Finding, Notice, Place};
@@ -34,7 +39,8 @@ pub enum Find {
 }
 
 /// All checks, in the order in which their findings are reported.
-pub const CHECKS: &[Check] = &[unused::CHECK, dropped::CHECK];
+pub const CHECKS: &[Check] =
+    &[unused::CHECK, dropped::CHECK, nothing_seen::CHECK, inside::CHECK, unlit::CHECK, low_poly::CHECK];
 
 /// Findings of the checks that need no picture.
 #[must_use]

@@ -2,5 +2,10 @@
 
 mod support;
 
+mod bundled;
+mod commands;
 mod documented;
+mod empty;
 mod losses;
+mod low_poly;
+mod unlit;
