@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::facts::has_area;
 use super::{Check, Facts, Find, Finding, Place};
 use crate::geometry::Shape;
 
@@ -26,7 +27,7 @@ fn in_model(facts: &Facts, file: &Path) -> Option<Finding> {
     for (geometry, object) in facts.scene.geometry.iter().zip(&facts.scene.objects) {
         if let (Shape::Mesh(mesh), true) = (&geometry.shape, object.origin.file == name) {
             triangles += mesh.triangles.len() as u64;
-            unusable += (0..mesh.triangles.len()).filter(|&i| !mesh.is_usable(i)).count() as u64;
+            unusable += (0..mesh.triangles.len()).filter(|&i| !has_area(mesh, i)).count() as u64;
         }
     }
     let (lost, all) = (left_out + unusable, left_out + triangles);

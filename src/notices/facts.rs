@@ -2,10 +2,19 @@
 
 use std::path::Path;
 
-use crate::geometry::{Aabb, Shape};
+use glam::{DVec3, Vec3};
+
+use crate::geometry::{Aabb, Shape, TriMesh};
 use crate::load::LoadReport;
 use crate::render::Options;
 use crate::scene::{Material, Scene};
+
+/// Returns true if a ray can hit a triangle of a mesh: its corners are finite and not in line.
+#[must_use]
+pub(super) fn has_area(mesh: &TriMesh, triangle: usize) -> bool {
+    let [a, b, c] = mesh.corners(triangle).map(Vec3::as_dvec3);
+    mesh.is_usable(triangle) && (b - a).cross(c - a) != DVec3::ZERO
+}
 
 /// A scene as it was loaded, and the options of its picture.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +47,7 @@ impl<'a> Facts<'a> {
     pub fn bounds(&self, object: usize) -> Aabb {
         match &self.scene.geometry[object].shape {
             Shape::Mesh(mesh) => {
-                let usable = (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i));
+                let usable = (0..mesh.triangles.len()).filter(|&i| has_area(mesh, i));
                 usable.fold(Aabb::EMPTY, |bounds, i| mesh.corners(i).into_iter().fold(bounds, Aabb::with))
             }
             Shape::Sphere(sphere) if sphere.is_usable() => sphere.bounds(),

@@ -6,11 +6,16 @@
 mod decal;
 mod dropped;
 mod facts;
+mod inside;
 mod inside_out;
+mod low_poly;
 mod near;
+mod nothing_seen;
 mod notice;
 mod survey;
+mod unlit;
 mod unused;
+mod view;
 
 pub use facts::Facts;
 pub use inside_out::CURE as INSIDE_OUT_CURE;
@@ -38,7 +43,17 @@ pub enum Find {
 }
 
 /// All checks, in the order in which their findings are reported.
-pub const CHECKS: &[Check] = &[unused::CHECK, dropped::CHECK, decal::CHECK, near::CHECK, inside_out::CHECK];
+pub const CHECKS: &[Check] = &[
+    unused::CHECK,
+    dropped::CHECK,
+    decal::CHECK,
+    near::CHECK,
+    inside_out::CHECK,
+    nothing_seen::CHECK,
+    inside::CHECK,
+    unlit::CHECK,
+    low_poly::CHECK,
+];
 
 /// Findings of the checks that need no picture.
 #[must_use]

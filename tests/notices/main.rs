@@ -2,6 +2,11 @@
 
 mod support;
 
+mod bundled;
+mod commands;
 mod documented;
+mod empty;
 mod inside_out;
 mod losses;
+mod low_poly;
+mod unlit;

@@ -58,6 +58,8 @@ pub struct Prepared<'a> {
     /// What a ray of weight 1 can bring at most, over the error that cutting it may make, where that is asked for; or why
     /// it cannot be had.
     tolls: std::result::Result<Option<Ceiling>, String>,
+    /// How often a ray may reflect or refract.
+    max_depth: u32,
     /// What camera rays start in.
     stack: MediumStack,
     /// Where lamps with an extent are sampled.
@@ -100,10 +102,17 @@ impl<'a> Prepared<'a> {
             reflection,
             total_is_lost,
             tolls,
+            max_depth: settings.max_depth,
             stack,
             points,
             spectrum,
         }
+    }
+
+    /// The same with another depth limit than the scene's.
+    #[must_use]
+    pub fn with_depth(self, max_depth: u32) -> Self {
+        Self { max_depth, ..self }
     }
 
     /// What was built.
@@ -165,6 +174,15 @@ impl<'a> Prepared<'a> {
         let mut tree = Tree::default();
         let tally = self.pixel(column, row, &mut tree);
         (tally, tree)
+    }
+
+    /// One ray through a point of the film (as in [`Prepared::camera_ray`]) with every ray that came of it, written down.
+    #[must_use]
+    pub fn recorded_at(&self, x: f64, y: f64) -> Tree {
+        let mut tree = Tree::default();
+        let (origin, dir) = self.camera_ray(x, y);
+        Tracer::trace(self, film_ray(x, y), origin, dir, &mut tree);
+        tree
     }
 
     /// The mean over a pixel's regular grid of samples.

@@ -467,7 +467,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     fn send_branches(&mut self, at: &Arrival) {
         let settings = &self.prepared.scene.settings;
         let depth = at.ray.depth + 1;
-        let too_deep = at.ray.depth >= settings.max_depth;
+        let too_deep = at.ray.depth >= self.prepared.max_depth;
         let mut branches = std::mem::take(&mut self.branches);
         let proven = self.prepared.tolls.as_ref().ok().and_then(Option::as_ref).map(|tolls| {
             debug_assert!(branches.len() <= 2, "a budget is divided between two");
