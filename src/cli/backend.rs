@@ -6,8 +6,8 @@ use super::args::BackendArg;
 use super::interrupt;
 use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
-use crate::render::{self, Observer, Options, Outcome};
-use crate::scene::Scene;
+use crate::render::{self, Again, Observer, Options, Outcome, Shortfall};
+use crate::scene::{Scene, Settings};
 use crate::simd::ReciprocalModel;
 use crate::{Error, Result};
 
@@ -94,7 +94,8 @@ pub(super) fn start_threads(options: &Options) -> Result<()> {
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", options.thread_count())))
 }
 
-/// Builds what `backend` needs and renders.
+/// Builds what `backend` needs and renders; looks for missing light in a picture that will be multiplied by `exposure`, where
+/// that is given.
 ///
 /// # Errors
 /// `Interrupted`; a limit, where threads cannot be started or a library is missing.
@@ -104,19 +105,23 @@ pub(super) fn trace(
     bvh: BuildQuality,
     options: &Options,
     observer: &Observer,
+    exposure: Option<f32>,
 ) -> Result<Traced> {
     let start = Instant::now();
     match backend {
-        Backend::Native => Ok(with(Native::build_as(&scene.geometry, bvh), start, scene, options, observer)?.0),
+        Backend::Native => Ok(with(Native::build_as(&scene.geometry, bvh), start, scene, options, observer, exposure)?.0),
         Backend::Walk(triangles, reciprocal) => {
             let walk = Walk::build(&scene.geometry, bvh, triangles, reciprocal);
-            let (traced, accel) = with(walk, start, scene, options, observer)?;
+            let (traced, accel) = with(walk, start, scene, options, observer, exposure)?;
             Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
         }
         Backend::Reference => {
-            let outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
+            let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
             let render_time = start.elapsed();
-            Ok(Traced { outcome, build: None, build_time: Duration::ZERO, render_time, library: None, lanes: None })
+            let again = |scene: &Scene, which: &[[u32; 2]]| render::reference::pixels(scene, options, observer, which);
+            outcome.shortfall = lacking(scene, options, &outcome, exposure, again)?;
+            let build_time = Duration::ZERO;
+            Ok(Traced { outcome, build: None, build_time, render_time, library: None, lanes: None })
         }
         #[cfg(feature = "embree")]
         Backend::Embree(mode) => {
@@ -125,7 +130,7 @@ pub(super) fn trace(
             let wish = embree::Options { mode, quality: bvh.into(), threads, ..embree::Options::default() };
             let built = Embree::build(&scene.geometry, &wish)?;
             let [major, minor, patch] = built.library().version;
-            let traced = with(built, start, scene, options, observer)?.0;
+            let traced = with(built, start, scene, options, observer, exposure)?.0;
             Ok(Traced { library: Some(format!("Embree {major}.{minor}.{patch}")), ..traced })
         }
     }
@@ -138,12 +143,33 @@ fn with<I: Intersector>(
     scene: &Scene,
     options: &Options,
     observer: &Observer,
+    exposure: Option<f32>,
 ) -> Result<(Traced, Unbounded<I>)> {
     let accel = Unbounded::new(bounded, &scene.geometry);
     let build_time = start.elapsed();
-    let outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
+    let mut outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
     let render_time = start.elapsed() - build_time;
-    let traced =
-        Traced { outcome, build: Some(accel.build_stats()), build_time, render_time, library: None, lanes: None };
-    Ok((traced, accel))
+    let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, &accel, options, observer, which);
+    outcome.shortfall = lacking(scene, options, &outcome, exposure, again)?;
+    let build = Some(accel.build_stats());
+    Ok((Traced { outcome, build, build_time, render_time, library: None, lanes: None }, accel))
+}
+
+/// The visible light that a picture lacks, where its exposure is given. `again` renders pixels of a scene that differs from
+/// `scene` in its settings alone.
+fn lacking(
+    scene: &Scene,
+    options: &Options,
+    outcome: &Outcome,
+    exposure: Option<f32>,
+    again: impl Fn(&Scene, &[[u32; 2]]) -> Result<Again>,
+) -> Result<Option<Shortfall>> {
+    let Some(exposure) = exposure else { return Ok(None) };
+    let mut copy: Option<Scene> = None;
+    let mut render = |settings: &Settings, which: &[[u32; 2]]| {
+        let scene = copy.get_or_insert_with(|| scene.clone());
+        scene.settings = settings.clone();
+        again(scene, which)
+    };
+    interrupt::heeded(|| Shortfall::of(scene, options, outcome, exposure, &mut render))
 }

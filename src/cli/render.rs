@@ -78,11 +78,12 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     Ok(verdict)
 }
 
-/// Renders, with a bar.
+/// Renders, with a bar; looks for missing light in a picture of which no budget decides.
 pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Result<Traced> {
+    let exposure = job.wish.is_none().then(|| job.exposure.factor());
     let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
     progress::follow(observer, pixels, !job.quiet, || {
-        backend::trace(scene, job.backend, job.bvh, &job.options, observer)
+        backend::trace(scene, job.backend, job.bvh, &job.options, observer, exposure)
     })
 }
 
@@ -132,6 +133,8 @@ mod tests {
             outcome: Outcome {
                 film: Film::default(),
                 truncated: Film::default(),
+                limits: Vec::new(),
+                shortfall: None,
                 rays: RayCounts::default(),
                 non_finite,
                 clamped,

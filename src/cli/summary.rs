@@ -9,7 +9,7 @@ use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
-use crate::render::{RayCounts, RayKind};
+use crate::render::{RayCounts, RayKind, Shortfall};
 use crate::scene::Scene;
 use crate::simd::level;
 
@@ -48,6 +48,8 @@ pub(super) struct Summary<'a> {
     rays: Rays,
     losses: Losses,
     truncated: Truncated,
+    /// Visible light that the picture lacks for it, in more than a thousandth of the pixels.
+    shortfall: Option<Shortfall>,
     warnings: Vec<String>,
     defaults: Vec<String>,
     /// What was chosen for a budget, and whether it was kept.
@@ -236,6 +238,7 @@ impl<'a> Summary<'a> {
                 clipped: *clipped,
             },
             truncated: Truncated::of(&outcome.truncated),
+            shortfall: outcome.shortfall,
             warnings: report.warnings.iter().map(ToString::to_string).collect(),
             defaults: report.defaults.clone(),
             budget: *budget,

@@ -16,6 +16,7 @@ mod extra;
 mod eye;
 mod lamp;
 mod light;
+mod limit;
 mod lookup;
 mod media;
 mod medium;
@@ -28,6 +29,7 @@ pub mod reference;
 mod room;
 mod shading;
 mod shadow;
+mod shortfall;
 mod sky;
 mod soft;
 mod split;
@@ -37,11 +39,14 @@ mod through;
 mod tile;
 mod worker;
 
+pub use accumulate::PixelMean;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
+pub use limit::Limit;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
 pub use pattern::FilmRay;
+pub use shortfall::{Again, Cure, Shortfall};
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -56,8 +61,10 @@ use worker::Worker;
 
 /// What one tile came to.
 struct TileResult {
+    /// Its place in the list of tiles.
+    number: usize,
     tile: Tile,
-    pixels: Vec<([f32; 3], [f32; 3])>,
+    pixels: Vec<PixelMean>,
 }
 
 /// Renders `scene` with `accel`, which was built from `scene.geometry`.
@@ -71,29 +78,97 @@ struct TileResult {
 /// memory for the picture; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let scene = &*effects::without(scene, options.effects.without);
-    let tolls = Ceiling::asked(scene, options)?;
     let settings = &scene.settings;
     room::check(settings)?;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
+    let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
+    let parts = each(scene, accel, options, observer, &tiles, &|tile| _ = done(tile))?;
+
+    let mut film = Film::new(settings.width, settings.height);
+    let mut truncated = Film::new(settings.width, settings.height);
+    let mut limits = vec![None; film.pixels.len()];
+    let mut tally = Tally::default();
+    for (results, part) in parts {
+        tally.merge(&part);
+        for TileResult { tile, pixels, .. } in results {
+            for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
+                let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
+                for (i, pixel) in line.iter().enumerate() {
+                    film.pixels[start + i] = pixel.radiance;
+                    truncated.pixels[start + i] = pixel.truncated;
+                    limits[start + i] = pixel.limit;
+                }
+            }
+        }
+    }
+    Ok(Outcome {
+        film,
+        truncated,
+        limits,
+        shortfall: None,
+        rays: tally.rays,
+        non_finite: tally.non_finite,
+        clamped: tally.clamped,
+        unmatched_exits: tally.unmatched_exits,
+        streams: tally.streams,
+    })
+}
+
+/// Some pixels of the picture that [`render`] makes, by column and row from 0 at the upper left, to the bit; and how many
+/// rays they took.
+///
+/// # Errors
+/// As [`render`].
+pub fn pixels<I: Intersector>(
+    scene: &Scene,
+    accel: &I,
+    options: &Options,
+    observer: &Observer,
+    which: &[[u32; 2]],
+) -> Result<Again> {
+    let scene = &*effects::without(scene, options.effects.without);
+    let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
+    let parts = each(scene, accel, options, observer, &tiles, &|_| ())?;
+    let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
+    for (results, tally) in parts {
+        again.rays += tally.rays.total();
+        results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
+    }
+    Ok(again)
+}
+
+/// Renders tiles of a scene from which nothing is left to be left out: one list of results, and what was counted, for each
+/// thread.
+fn each<I: Intersector>(
+    scene: &Scene,
+    accel: &I,
+    options: &Options,
+    observer: &Observer,
+    tiles: &[Tile],
+    done: &(dyn Fn(&Tile) + Sync),
+) -> Result<Vec<(Vec<TileResult>, Tally)>> {
+    let tolls = Ceiling::asked(scene, options)?;
     let eye_media = eye::media_around(scene, accel);
     let stages = Stages::of(scene, &Reach::of(scene), &eye_media, options);
     let next = AtomicUsize::new(0);
+    let samples = scene.settings.samples * scene.settings.samples;
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &eye_media, observer);
         let mut results = Vec::new();
-        while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&tile) = tiles.get(number) else { break };
             worker.tile(&tile)?;
-            let samples = settings.samples * settings.samples;
             let pixels = (0..tile.pixels()).map(|i| worker.shading.accumulator.mean(i, samples)).collect();
-            results.push(TileResult { tile, pixels });
-            observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
+            results.push(TileResult { number, tile, pixels });
+            done(&tile);
         }
         Ok((results, Tally::of(&worker)))
     };
 
     let threads = options.thread_count().min(tiles.len());
-    let parts: Vec<_> = std::thread::scope(|scope| {
+    std::thread::scope(|scope| {
         let spawned: Result<Vec<_>> = (1..threads)
             .map(|_| {
                 std::thread::Builder::new().spawn_scoped(scope, work).map_err(|e| {
@@ -109,31 +184,6 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         let mut parts: Vec<_> = spawned?.into_iter().map(|t| t.join().expect("a worker does not panic")).collect();
         parts.push(mine);
         parts.into_iter().collect::<Result<Vec<_>>>()
-    })?;
-
-    let mut film = Film::new(settings.width, settings.height);
-    let mut truncated = Film::new(settings.width, settings.height);
-    let mut tally = Tally::default();
-    for (results, part) in parts {
-        tally.merge(&part);
-        for TileResult { tile, pixels } in results {
-            for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
-                let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
-                for (i, &(radiance, lost)) in line.iter().enumerate() {
-                    film.pixels[start + i] = radiance;
-                    truncated.pixels[start + i] = lost;
-                }
-            }
-        }
-    }
-    Ok(Outcome {
-        film,
-        truncated,
-        rays: tally.rays,
-        non_finite: tally.non_finite,
-        clamped: tally.clamped,
-        unmatched_exits: tally.unmatched_exits,
-        streams: tally.streams,
     })
 }
 
@@ -161,7 +211,7 @@ pub fn recorded<I: Intersector>(
     let mut worker = Worker::new(scene, accel, &stages, options, None, &eye_media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
-    let (radiance, truncated) = worker.shading.accumulator.mean(0, samples);
+    let PixelMean { radiance, truncated, .. } = worker.shading.accumulator.mean(0, samples);
     Ok((radiance, truncated, tree))
 }
 

@@ -1,11 +1,12 @@
 //! Whether there is memory for a picture, asked before the work and not found out in its middle.
 
+use super::accumulate::PixelMean;
 use crate::scene::Settings;
 use crate::{Error, Result};
 
-/// Bytes a pixel takes at the worst moment, when the tiles become the film: radiance and truncated weight in each. The
-/// encoded file, made when the tiles are gone, is smaller.
-const BYTES_A_PIXEL: usize = 4 * size_of::<[f32; 3]>();
+/// Bytes a pixel takes at the worst moment, when the tiles become the film: radiance, truncated weight and limit in each.
+/// The encoded file, made when the tiles are gone, is smaller.
+const BYTES_A_PIXEL: usize = 2 * size_of::<PixelMean>();
 
 /// What everything else may take meanwhile: queues, stacks of threads, the pieces between blocks.
 const ASIDE: usize = 64 << 20;

@@ -1,5 +1,6 @@
 //! Boundaries of transparent solids and liquids: light is reflected and refracted.
 
+use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
@@ -121,7 +122,7 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     let dir = Vec3x8::select(straight, surface.incident, dir);
     // A formula may know no direction where there is one; what it would carry is not in the picture.
     let lost = total.bits() & !straight.bits() & lanes;
-    shading.accumulator.add_truncated8(lost, &surface.pixel, weight);
+    shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
     let extra = O::along(carried, dir);
     let new = Spawn8 {
         origin: surface.below(),
@@ -157,7 +158,7 @@ struct Entered {
 /// Ends the rays of some lanes, and gives the others of `all`.
 #[cold]
 fn lose(shading: &mut Shading, surface: &Surface8, lost: u8, all: u8) -> u8 {
-    shading.accumulator.add_truncated8(lost, &surface.pixel, &surface.weight);
+    shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, &surface.weight);
     all & !lost
 }
 
@@ -188,7 +189,7 @@ fn enter(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered
 fn pass(shading: &mut Shading, surface: &Surface8, lanes: u8, beyond: &[StackId; 8], depth: usize) {
     let passes = surface.passes.map(|n| n + 1);
     let spent = lane_bits(|k| passes[k] > MOST_PASSES) & lanes;
-    shading.accumulator.add_truncated8(spent, &surface.pixel, &surface.weight);
+    shading.accumulator.add_ended8(Limit::Passes, spent, &surface.pixel, &surface.weight);
     let extra = shading.extra(surface);
     let new = Spawn8 {
         origin: surface.below(),
