@@ -46,6 +46,7 @@ pub mod geometry;
 pub mod image;
 pub mod load;
 pub mod math;
+pub mod notices;
 pub mod optics;
 pub mod render;
 pub mod scene;

@@ -15,9 +15,16 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("image", &[]),
     ("load", &["scene", "geometry", "image", "optics", "math"]),
     ("render", &["effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("notices", &["load", "render", "effects", "scene", "accel", "geometry"]),
     ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("study", &["trial", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("cli", &["study", "trial", "load", "render", "effects", "accel", "image", "scene", "optics", "simd", "math"]),
+    (
+        "cli",
+        &[
+            "study", "trial", "notices", "load", "render", "effects", "accel", "image", "scene", "optics", "simd",
+            "math",
+        ],
+    ),
 ];
 
 fn rust_files(dir: &Path, out: &mut Vec<PathBuf>) {

@@ -6,8 +6,8 @@ use super::args::BackendArg;
 use super::interrupt;
 use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
-use crate::render::{self, Again, Observer, Options, Outcome, Shortfall};
-use crate::scene::{Scene, Settings};
+use crate::render::{self, Observer, Options, Outcome, Shortfall};
+use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
 use crate::{Error, Result};
 
@@ -109,7 +109,9 @@ pub(super) fn trace(
 ) -> Result<Traced> {
     let start = Instant::now();
     match backend {
-        Backend::Native => Ok(with(Native::build_as(&scene.geometry, bvh), start, scene, options, observer, exposure)?.0),
+        Backend::Native => {
+            Ok(with(Native::build_as(&scene.geometry, bvh), start, scene, options, observer, exposure)?.0)
+        }
         Backend::Walk(triangles, reciprocal) => {
             let walk = Walk::build(&scene.geometry, bvh, triangles, reciprocal);
             let (traced, accel) = with(walk, start, scene, options, observer, exposure)?;
@@ -118,8 +120,12 @@ pub(super) fn trace(
         Backend::Reference => {
             let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
             let render_time = start.elapsed();
-            let again = |scene: &Scene, which: &[[u32; 2]]| render::reference::pixels(scene, options, observer, which);
-            outcome.shortfall = lacking(scene, options, &outcome, exposure, again)?;
+            if let Some(exposure) = exposure {
+                let again = |scene: &Scene, which: &[[u32; 2]]| {
+                    interrupt::heeded(|| render::reference::pixels(scene, options, observer, which))
+                };
+                outcome.shortfall = Shortfall::of(scene, options, &outcome, exposure, &again)?;
+            }
             let build_time = Duration::ZERO;
             Ok(Traced { outcome, build: None, build_time, render_time, library: None, lanes: None })
         }
@@ -149,27 +155,12 @@ fn with<I: Intersector>(
     let build_time = start.elapsed();
     let mut outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
     let render_time = start.elapsed() - build_time;
-    let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, &accel, options, observer, which);
-    outcome.shortfall = lacking(scene, options, &outcome, exposure, again)?;
+    if let Some(exposure) = exposure {
+        let again = |scene: &Scene, which: &[[u32; 2]]| {
+            interrupt::heeded(|| render::pixels(scene, &accel, options, observer, which))
+        };
+        outcome.shortfall = Shortfall::of(scene, options, &outcome, exposure, &again)?;
+    }
     let build = Some(accel.build_stats());
     Ok((Traced { outcome, build, build_time, render_time, library: None, lanes: None }, accel))
-}
-
-/// The visible light that a picture lacks, where its exposure is given. `again` renders pixels of a scene that differs from
-/// `scene` in its settings alone.
-fn lacking(
-    scene: &Scene,
-    options: &Options,
-    outcome: &Outcome,
-    exposure: Option<f32>,
-    again: impl Fn(&Scene, &[[u32; 2]]) -> Result<Again>,
-) -> Result<Option<Shortfall>> {
-    let Some(exposure) = exposure else { return Ok(None) };
-    let mut copy: Option<Scene> = None;
-    let mut render = |settings: &Settings, which: &[[u32; 2]]| {
-        let scene = copy.get_or_insert_with(|| scene.clone());
-        scene.settings = settings.clone();
-        again(scene, which)
-    };
-    interrupt::heeded(|| Shortfall::of(scene, options, outcome, exposure, &mut render))
 }

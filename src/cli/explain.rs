@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use super::options::Explain;
 use super::table::grouped;
+use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::{Unbounded, native::Native};
 use crate::effects::{self, Effect, EffectPlan};
 use crate::image::Film;
-use crate::load::{self, LoadOptions};
+use crate::load::{self, LoadOptions, Loaded};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 use crate::trial::timing::{self, Figure};
@@ -22,7 +23,9 @@ const COLUMNS: usize = 80;
 pub(super) fn run(job: &Explain) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let mut scene = load::scene(&job.scene, &LoadOptions::default())?.scene;
+    backend::start_threads(&job.options)?;
+    let Loaded { mut scene, report } = load::scene(&job.scene, &LoadOptions::default())?;
+    let warnings = Warnings::survey(&job.scene, &mut scene, &report, &job.options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     let plan = EffectPlan::resolve(&scene, &job.options.effects);
     let measured = match job.rounds {
@@ -30,7 +33,10 @@ pub(super) fn run(job: &Explain) -> Result<Verdict> {
         Some(rounds) => Some(Measured::of(&scene, &plan, job, rounds, &observer)?),
     };
     let shaded = effects::without(&scene, job.options.effects.without);
-    let explained = Explained::new(&shaded, &plan, measured.as_ref(), job.scene.display().to_string());
+    let explained = Explained::new(&shaded, &plan, measured.as_ref(), job.scene.display().to_string(), &warnings);
+    if !job.quiet {
+        warnings.log();
+    }
     if job.json {
         output::print_json(&explained)?;
     } else {
@@ -62,7 +68,6 @@ struct Worth {
 
 impl Measured {
     fn of(scene: &Scene, plan: &EffectPlan, job: &Explain, rounds: usize, observer: &Observer) -> Result<Self> {
-        backend::start_threads(&job.options)?;
         let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
         let whole = job.options.effects;
         let on: Vec<Effect> = plan.on().iter().collect();
@@ -115,8 +120,10 @@ fn change(a: &Film, b: &Film) -> (f64, u64) {
 
 /// All that is told. Its JSON form is this, with the same names.
 #[derive(serde::Serialize)]
-struct Explained {
+struct Explained<'a> {
     scene: String,
+    #[serde(flatten)]
+    warnings: &'a Warnings,
     effects: Vec<Row>,
     /// How many media a ray can be in at once.
     stack: String,
@@ -159,8 +166,14 @@ struct Budget {
     mean_per_pixel: Option<f64>,
 }
 
-impl Explained {
-    fn new(scene: &Scene, plan: &EffectPlan, measured: Option<&Measured>, name: String) -> Self {
+impl<'a> Explained<'a> {
+    fn new(
+        scene: &Scene,
+        plan: &EffectPlan,
+        measured: Option<&Measured>,
+        name: String,
+        warnings: &'a Warnings,
+    ) -> Self {
         let worth = |effect| measured.and_then(|m| m.effects.iter().find(|(e, _)| *e == effect)).map(|(_, w)| *w);
         let row = |d: &effects::Decision| Row {
             effect: d.effect.name(),
@@ -174,6 +187,7 @@ impl Explained {
         let hidden = plan.reach.hidden.iter().enumerate();
         Self {
             scene: name,
+            warnings,
             effects: plan.decisions.iter().map(row).collect(),
             stack: plan.stack.clone(),
             hidden: hidden.filter_map(|(o, wall)| Some([object(o), object((*wall)?)])).collect(),

@@ -21,6 +21,7 @@ mod summary;
 mod table;
 mod verify;
 mod view;
+mod warnings;
 
 use std::process::ExitCode;
 

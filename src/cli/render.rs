@@ -8,9 +8,11 @@ use std::time::Instant;
 use super::backend::{self, Traced};
 use super::options::{Exposure, Render, refuse_input};
 use super::summary::{Facts, Seconds, Summary};
+use super::warnings::{self, Warnings};
 use super::{Verdict, budget, interrupt, metadata, output, progress};
 use crate::image::{self, Encoding, Film};
-use crate::load::{self, LoadOptions, Loaded};
+use crate::load::{self, LoadOptions, LoadReport, Loaded};
+use crate::notices;
 use crate::render::Observer;
 use crate::scene::Scene;
 use crate::study::Spheres;
@@ -29,6 +31,11 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
 
+    let notices = notices::of_scene(&facts(&job, &scene, &report));
+    if job.strict {
+        warnings::refuse(&notices)?;
+    }
+
     backend::start_threads(&job.options)?;
     let (mut traced, spent) = match job.wish {
         Some(wish) => {
@@ -42,9 +49,12 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
             (picture(&job, &scene, &observer)?, None)
         }
     };
+    let found = notices::of_picture(&facts(&job, &scene, &report), &traced.outcome);
     if job.strict {
+        warnings::refuse(&found)?;
         refuse_losses(&job.scene, &traced)?;
     }
+    let warnings = Warnings::new(&report, [notices, found].concat());
 
     let start = Instant::now();
     expose(&mut traced.outcome.film, job.exposure);
@@ -59,6 +69,7 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
         job: &job,
         scene: &scene,
         report: &report,
+        warnings: &warnings,
         traced: &traced,
         clipped,
         budget: spent.as_ref(),
@@ -76,6 +87,10 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
         output::print_json(&summary)?;
     }
     Ok(verdict)
+}
+
+fn facts<'a>(job: &'a Render, scene: &'a Scene, report: &'a LoadReport) -> notices::Facts<'a> {
+    notices::Facts { file: &job.scene, scene, report, options: &job.options }
 }
 
 /// Renders, with a bar; looks for missing light in a picture of which no budget decides.
@@ -125,7 +140,7 @@ mod tests {
 
     use super::*;
     use crate::accel::BuildStats;
-    use crate::render::{Outcome, RayCounts, StreamCounts};
+    use crate::render::{Outcome, RayCounts, Seen, StreamCounts};
 
     #[test]
     fn strict_lets_nothing_pass_that_was_dropped_clamped_or_left_unmatched() {
@@ -140,6 +155,7 @@ mod tests {
                 clamped,
                 unmatched_exits,
                 streams: StreamCounts::default(),
+                seen: Seen::default(),
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

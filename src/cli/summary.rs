@@ -7,6 +7,7 @@ use super::budget::Spent;
 use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
+use super::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
 use crate::render::{RayCounts, RayKind, Shortfall};
@@ -18,6 +19,7 @@ pub(super) struct Facts<'a> {
     pub job: &'a Render,
     pub scene: &'a Scene,
     pub report: &'a LoadReport,
+    pub warnings: &'a Warnings,
     pub traced: &'a Traced,
     pub clipped: Clipped,
     pub budget: Option<&'a Spent>,
@@ -50,7 +52,8 @@ pub(super) struct Summary<'a> {
     truncated: Truncated,
     /// Visible light that the picture lacks for it, in more than a thousandth of the pixels.
     shortfall: Option<Shortfall>,
-    warnings: Vec<String>,
+    #[serde(flatten)]
+    warnings: &'a Warnings,
     defaults: Vec<String>,
     /// What was chosen for a budget, and whether it was kept.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -175,7 +178,7 @@ fn walked(backend: Backend, traced: &Traced) -> Option<Walked> {
 
 impl<'a> Summary<'a> {
     pub fn of(facts: &Facts<'a>) -> Self {
-        let Facts { job, scene, report, traced, clipped, budget, seconds } = facts;
+        let Facts { job, scene, report, warnings, traced, clipped, budget, seconds } = facts;
         let (settings, outcome, shapes) = (&scene.settings, &traced.outcome, scene.shape_counts());
         let counts = &outcome.rays;
         Self {
@@ -239,7 +242,7 @@ impl<'a> Summary<'a> {
             },
             truncated: Truncated::of(&outcome.truncated),
             shortfall: outcome.shortfall,
-            warnings: report.warnings.iter().map(ToString::to_string).collect(),
+            warnings,
             defaults: report.defaults.clone(),
             budget: *budget,
         }
@@ -298,7 +301,7 @@ impl<'a> Summary<'a> {
         lines.push(rays(&self.rays.counts, "           "));
         self.lost(&mut lines);
         lines.extend(self.defaults.iter().map(|d| format!("{:<10} {d}", "default")));
-        lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
+        lines.extend(self.warnings.lines());
         if level::BUILT.ends_with("without FMA") {
             lines.push(format!("warning: built for {}: slower and less exact; {}", level::BUILT, level::CURE));
         }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::options::Verify;
 use super::table::grouped;
+use super::warnings::Warnings;
 use super::{Verdict, interrupt, output, progress};
-use crate::load::{self, LoadOptions};
-use crate::render::Observer;
+use crate::load::{self, LoadOptions, Loaded};
+use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::verify::{self, Candidate, Finding, NativePath, Plan, Trouble};
@@ -30,6 +31,8 @@ struct Report {
     groups: Vec<Row>,
     /// What is wrong with the scene's triangles.
     troubles: Vec<TroubleRow>,
+    #[serde(flatten)]
+    warnings: Warnings,
 }
 
 #[derive(serde::Serialize)]
@@ -67,9 +70,15 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         .num_threads(job.threads)
         .build_global()
         .map_err(|e| Error::Limit(format!("cannot start {} threads: {e}", job.threads)))?;
+    let mut warnings = Warnings::default();
     let scene = match &job.scene {
-        Some(path) => Some(load::scene(path, &LoadOptions::default())?.scene),
         None => None,
+        Some(path) => {
+            let Loaded { mut scene, report } = load::scene(path, &LoadOptions::default())?;
+            let options = render::Options { threads: job.threads, ..render::Options::default() };
+            warnings = Warnings::survey(path, &mut scene, &report, &options, &observer)?;
+            Some(scene)
+        }
     };
     let paths = usize::from(job.native) + 2 * usize::from(job.embree);
     let (findings, troubles) = progress::follow(&observer, job.plan.parts(paths), !job.quiet, || {
@@ -89,7 +98,11 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         holds: findings.iter().all(Finding::holds),
         groups: findings.iter().map(Row::of).collect(),
         troubles: troubles.iter().map(TroubleRow::of).collect(),
+        warnings,
     };
+    if !job.quiet {
+        report.warnings.log();
+    }
     if job.json {
         output::print_json(&report)?;
     } else if !job.quiet {
@@ -238,6 +251,7 @@ mod tests {
             holds: finding.holds(),
             groups: vec![Row::of(&finding)],
             troubles: Vec::new(),
+            warnings: Warnings::default(),
         };
         let text = report.text();
         let lines: Vec<&str> = text.lines().collect();

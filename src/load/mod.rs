@@ -19,7 +19,7 @@ mod texture;
 mod topology;
 mod transform;
 
-pub use report::{LoadReport, Warning};
+pub use report::{LoadReport, Model, Warning};
 pub use texture::picture;
 pub use transform::Transform;
 

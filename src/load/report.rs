@@ -46,6 +46,21 @@ pub struct LoadReport {
     pub dropped: BTreeMap<&'static str, u64>,
     /// What the scene leaves open and was filled in.
     pub defaults: Vec<String>,
+    /// Model files, in the order they were read; one that is read twice is here twice.
+    pub models: Vec<Model>,
+    /// Materials of the scene file that nothing uses: name and line.
+    pub unused_materials: Vec<(String, u32)>,
+}
+
+/// Faces of a model file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Model {
+    /// The file, as the user named it.
+    pub file: PathBuf,
+    /// Faces that it has.
+    pub faces: u64,
+    /// Faces among them that were left out, and triangles of faces that were left out in part.
+    pub dropped: u64,
 }
 
 /// Collects a [`LoadReport`].
@@ -93,6 +108,22 @@ impl Reporter {
     /// Counts a face that was left out.
     pub(super) fn dropped(&mut self, reason: &'static str) {
         *self.report.dropped.entry(reason).or_default() += 1;
+    }
+
+    /// Faces left out so far.
+    pub(super) fn dropped_so_far(&self) -> u64 {
+        self.report.dropped.values().sum()
+    }
+
+    /// Notes the faces of a model file, `dropped_before` of which were left out before it was read.
+    pub(super) fn model(&mut self, file: &Path, faces: usize, dropped_before: u64) {
+        let dropped = self.dropped_so_far() - dropped_before;
+        self.report.models.push(Model { file: file.to_owned(), faces: faces as u64, dropped });
+    }
+
+    /// Notes a material of the scene file that nothing uses.
+    pub(super) fn unused_material(&mut self, name: String, line: u32) {
+        self.report.unused_materials.push((name, line));
     }
 
     /// Notes what was filled in.

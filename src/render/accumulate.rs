@@ -42,6 +42,8 @@ pub struct Accumulator {
     pub non_finite: u64,
     /// Contributions clamped to [`LIMIT`].
     pub clamped: u64,
+    /// Bits of the lanes in which light from a lamp was added, of all packets together; 0 where none was.
+    pub lit: u8,
 }
 
 impl Accumulator {
@@ -57,10 +59,15 @@ impl Accumulator {
         self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
     }
 
-    /// Adds the radiance of many packets, as [`Self::add_radiance8`] does of one.
-    pub fn add_radiance<'a>(&mut self, packets: impl Iterator<Item = (u8, &'a [u32; 8], &'a Rgb8)>) {
+    /// Adds what a surface sends of the light of a lamp, as [`Self::add_radiance8`] does.
+    pub fn add_light8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
+        self.lit |= self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
+    }
+
+    /// Adds the light of many packets, as [`Self::add_light8`] does of one.
+    pub fn add_light<'a>(&mut self, packets: impl Iterator<Item = (u8, &'a [u32; 8], &'a Rgb8)>) {
         for (lanes, pixel, radiance) in packets {
-            self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
+            self.lit |= self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
         }
     }
 
@@ -80,7 +87,8 @@ impl Accumulator {
         self.add8(lanes, pixel, weight, |sums, i| &mut sums.ended[i][place]);
     }
 
-    // In line in the four above, and these nowhere: a loop over packets is then not one over calls.
+    /// Returns the lanes whose value is not zero.
+    // In line in those above, and these nowhere: a loop over packets is then not one over calls.
     #[inline(always)]
     fn add8(
         &mut self,
@@ -88,10 +96,11 @@ impl Accumulator {
         pixel: &[u32; 8],
         value: &Rgb8,
         place: impl Fn(&mut Self, usize) -> &mut [i128; 3],
-    ) {
+    ) -> u8 {
         // Zero adds nothing, and much of what comes here is zero; NaN is not zero.
         let zero = (value.x.eq(Real::zero()) & value.y.eq(Real::zero()) & value.z.eq(Real::zero())).bits();
-        for lane in set_lanes(lanes & !zero) {
+        let adding = lanes & !zero;
+        for lane in set_lanes(adding) {
             let rgb = [value.x.lane(lane), value.y.lane(lane), value.z.lane(lane)];
             if !rgb.iter().all(|c| c.is_finite()) {
                 self.non_finite += 1;
@@ -105,6 +114,7 @@ impl Accumulator {
                 *s += to_fixed(c.clamp(-LIMIT, LIMIT));
             }
         }
+        adding
     }
 
     /// The sums of pixel `i`: radiance and truncated weight, in units of 2^-64.

@@ -32,13 +32,7 @@ pub type BaseStage = fn(&mut Shading, &[Surface8], &mut Vec<Base8>);
 /// Whether a material sends anything but secondary rays.
 #[must_use]
 pub fn has_base(material: &Material) -> bool {
-    answers_light(material) || material.emission != Vec3::ZERO || material.ambient != Vec3::ZERO
-}
-
-/// Whether light makes a difference to a material.
-#[must_use]
-pub fn answers_light(material: &Material) -> bool {
-    material.diffuse != Colour::Constant(Vec3::ZERO) || material.highlight.is_some()
+    material.answers_light() || material.emission != Vec3::ZERO || material.ambient != Vec3::ZERO
 }
 
 /// The stage for materials some of which are `textured`, have highlights (`shiny`), or send light of their own

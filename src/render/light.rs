@@ -71,7 +71,7 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
         let arriving = factor.map_or(intensity, |factor| intensity * factor);
         let sent = sent.times(arriving).times(surface.base_weight);
         if !(SHADOWS && casts) {
-            shading.accumulator.add_radiance8(lit, &surface.pixel, &sent);
+            shading.accumulator.add_light8(lit, &surface.pixel, &sent);
             continue;
         }
         let dark = sent.x.eq(F32x8::ZERO) & sent.y.eq(F32x8::ZERO) & sent.z.eq(F32x8::ZERO);

@@ -44,7 +44,7 @@ pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use limit::Limit;
 pub use options::{Observer, Options, Reflection};
-pub use outcome::{Outcome, RayCounts, RayKind, Stage, StreamCounts};
+pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts};
 pub use pattern::FilmRay;
 pub use shortfall::{Again, Cure, Shortfall};
 
@@ -111,6 +111,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         clamped: tally.clamped,
         unmatched_exits: tally.unmatched_exits,
         streams: tally.streams,
+        seen: tally.seen,
     })
 }
 
@@ -223,6 +224,7 @@ struct Tally {
     clamped: u64,
     unmatched_exits: u64,
     streams: StreamCounts,
+    seen: Seen,
 }
 
 impl Tally {
@@ -233,6 +235,7 @@ impl Tally {
             clamped: worker.shading.accumulator.clamped,
             unmatched_exits: worker.shading.unmatched_exits,
             streams: worker.shading.streams,
+            seen: worker.seen(),
         }
     }
 
@@ -242,5 +245,6 @@ impl Tally {
         self.clamped += o.clamped;
         self.unmatched_exits += o.unmatched_exits;
         self.streams.merge(&o.streams);
+        self.seen.merge(&o.seen);
     }
 }

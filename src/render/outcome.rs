@@ -26,6 +26,29 @@ pub struct Outcome {
     pub unmatched_exits: u64,
     /// Streams that each stage worked on; none by the `f64` renderer, which has no stages.
     pub streams: StreamCounts,
+    /// Objects that rays met, and light that reached them.
+    pub seen: Seen,
+}
+
+/// Objects that the rays of a picture met, and light that reached them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Seen {
+    /// By object: met by a ray of any depth that is no shadow ray. Empty where nothing was traced.
+    pub objects: Vec<bool>,
+    /// Camera rays that met nothing.
+    pub missed: u64,
+    /// True if any surface sent light of a lamp to the picture.
+    pub lit: bool,
+}
+
+impl Seen {
+    /// Adds what other rays of the same picture met.
+    pub fn merge(&mut self, o: &Self) {
+        self.objects.resize(self.objects.len().max(o.objects.len()), false);
+        self.objects.iter_mut().zip(&o.objects).for_each(|(met, &other)| *met |= other);
+        self.missed += o.missed;
+        self.lit |= o.lit;
+    }
 }
 
 /// The stages of a render, for counting.

@@ -202,8 +202,7 @@ impl<'a> Shading<'a> {
                 let cut = division.cut[0].bits() | paid;
                 paid |= division.cut[1].bits();
                 budget = division.budget[1];
-                let (limit, ended) =
-                    if too_deep { (Limit::Depth, ray.lanes) } else { (Limit::Asked, ray.lanes & cut) };
+                let (limit, ended) = if too_deep { (Limit::Depth, ray.lanes) } else { (Limit::Asked, ray.lanes & cut) };
                 self.accumulator.add_ended8(limit, ended, &ray.pixel, &ray.weight);
                 let mut extra = ray.extra;
                 extra.set_budget(division.budget[0]);

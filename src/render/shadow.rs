@@ -23,7 +23,7 @@ impl<I: Intersector> Worker<'_, I> {
         self.shading.shadows.take(usize::MAX, &mut chunk);
         self.trace_shadows(&mut chunk, depth, coherence);
         let packets = chunk.rays.iter().zip(&chunk.states);
-        self.shading.accumulator.add_radiance(packets.map(|(ray, state)| (ray.active, &state.pixel, &state.weight)));
+        self.shading.accumulator.add_light(packets.map(|(ray, state)| (ray.active, &state.pixel, &state.weight)));
         self.shadow_chunk = chunk;
     }
 
@@ -51,7 +51,7 @@ impl<I: Intersector> Worker<'_, I> {
                 probes.verdicts[asker.place as usize].add(arrives, whole >> lane & 1 != 0);
                 counting |= u8::from(arrives && asker.counts) << lane;
             }
-            self.shading.accumulator.add_radiance8(counting, &state.pixel, &state.weight);
+            self.shading.accumulator.add_light8(counting, &state.pixel, &state.weight);
         }
         probes.askers.clear();
         self.shadow_weights = weights;

@@ -84,12 +84,12 @@ pub struct Again {
     pub rays: u64,
 }
 
-/// Renders some pixels of the picture, by column and row, under other settings.
-pub type Renderer<'a> = dyn FnMut(&Settings, &[[u32; 2]]) -> Result<Again> + 'a;
+/// Renders some pixels, by column and row, of the picture of a scene.
+pub type Renderer<'a> = dyn Fn(&Scene, &[[u32; 2]]) -> Result<Again> + 'a;
 
 impl Shortfall {
     /// The shortfall of a picture of `scene` that will be multiplied by `exposure`; none where no more than a thousandth of
-    /// its pixels lack visible light. `again` renders pixels with the picture's own options.
+    /// its pixels lack visible light. `again` renders pixels with the picture's own options, of the scene with other settings.
     ///
     /// # Errors
     /// Those of `again`.
@@ -98,7 +98,7 @@ impl Shortfall {
         options: &Options,
         outcome: &Outcome,
         exposure: f32,
-        again: &mut Renderer,
+        again: &Renderer,
     ) -> Result<Option<Self>> {
         // Most pictures have less weight than that in all but a few pixels, and end here.
         let pixels = outcome.film.pixels.len();
@@ -120,8 +120,9 @@ impl Shortfall {
         }
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let budget = (outcome.rays.total() / RAYS).clamp(FEW_RAYS, MOST_RAYS);
-        let mut search = Search { scene: &scene, outcome, light, candidates, allowed, again, left: budget };
-        search.run()
+        let copy = Scene::clone(&scene);
+        let own = copy.settings.clone();
+        Search { scene: copy, own, outcome, light, candidates, allowed, again, left: budget }.run()
     }
 }
 
@@ -147,15 +148,18 @@ impl Light {
 }
 
 /// The search for what a picture lacks, and for limits that mend it.
-struct Search<'a, 'r> {
-    scene: &'a Scene,
+struct Search<'a> {
+    /// A copy whose settings change.
+    scene: Scene,
+    /// The settings of the picture.
+    own: Settings,
     outcome: &'a Outcome,
     light: Light,
     /// Pixels that may lack visible light, with how much of it, the worst first.
     candidates: Vec<(f64, usize)>,
     /// Pixels that may.
     allowed: usize,
-    again: &'r mut Renderer<'r>,
+    again: &'a Renderer<'a>,
     /// Rays that may still be traced.
     left: u64,
 }
@@ -163,21 +167,20 @@ struct Search<'a, 'r> {
 /// Limits as steps from the picture's own.
 type Steps = [u32; 2];
 
-impl Search<'_, '_> {
+impl Search<'_> {
     fn run(&mut self) -> Result<Option<Shortfall>> {
         // The worst that are allowed decide nothing; the sample is of those beyond, evenly by rank, and of the worst one.
         let ranks = self.candidates.len() - self.allowed;
         let count = ranks.min(SAMPLE);
         let rank = |k: usize| self.allowed + (2 * k + 1) * ranks / (2 * count);
-        let sample: Vec<usize> =
-            (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].1).collect();
+        let sample: Vec<usize> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].1).collect();
         let bounds: Vec<f64> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].0).collect();
 
         // The truth, as far as it can be had.
         let mut truth: Option<(Steps, Vec<PixelMean>)> = None;
         let mut lacks = bounds;
         for step in 1..=STEPS {
-            let Some(seen) = self.render(&self.settings([step; 2]), &sample)? else { break };
+            let Some(seen) = self.render(self.settings([step; 2]), &sample)? else { break };
             lacks = sample.iter().zip(&seen).map(|(&i, wide)| self.lacks(self.outcome.film.pixels[i], wide)).collect();
             let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
             truth = Some(([step; 2], seen));
@@ -229,7 +232,7 @@ impl Search<'_, '_> {
             for step in 0..widest[axis] {
                 let mut steps = best;
                 steps[axis] = step;
-                let Some(seen) = self.render(&self.settings(steps), sample)? else { break };
+                let Some(seen) = self.render(self.settings(steps), sample)? else { break };
                 let lacks: Vec<f64> =
                     seen.iter().zip(truth).map(|(narrow, wide)| self.lacks(narrow.radiance, wide)).collect();
                 if self.short(&lacks, count) == 0 {
@@ -256,7 +259,7 @@ impl Search<'_, '_> {
     }
 
     fn settings(&self, [deeper, lighter]: Steps) -> Settings {
-        let own = &self.scene.settings;
+        let own = &self.own;
         let cutoff = if own.cutoff > 0.0 { own.cutoff } else { 4.0 * LIGHTEST };
         Settings {
             max_depth: if deeper == 0 { own.max_depth } else { (own.max_depth.max(8) << deeper).min(DEEPEST) },
@@ -266,14 +269,15 @@ impl Search<'_, '_> {
     }
 
     /// Some pixels under other settings; none where that takes more rays than are left.
-    fn render(&mut self, settings: &Settings, which: &[usize]) -> Result<Option<Vec<PixelMean>>> {
+    fn render(&mut self, settings: Settings, which: &[usize]) -> Result<Option<Vec<PixelMean>>> {
         let width = self.outcome.film.width as usize;
         let places: Vec<[u32; 2]> = which.iter().map(|i| [(i % width) as u32, (i / width) as u32]).collect();
         let mut pixels = Vec::with_capacity(places.len());
+        self.scene.settings = settings;
         // A few first, since a single one may take millions of rays.
         let (first, others) = places.split_at(places.len().min(2));
         for part in std::iter::once(first).chain(others.chunks(PART)) {
-            let seen = (self.again)(settings, part)?;
+            let seen = (self.again)(&self.scene, part)?;
             pixels.extend(seen.pixels);
             let next = (places.len() - pixels.len()).min(PART) as u64;
             let expected = seen.rays / part.len().max(1) as u64 * next;
@@ -289,7 +293,8 @@ impl Search<'_, '_> {
     fn priced(&mut self, steps: Steps) -> Result<Cure> {
         let film = &self.outcome.film;
         // Multiples of the golden ratio: any number of them lie evenly.
-        let place = |k: usize| (((k as f64 + 0.5) * 0.618_033_988_749_894_9).fract() * film.pixels.len() as f64) as usize;
+        let place =
+            |k: usize| (((k as f64 + 0.5) * 0.618_033_988_749_894_9).fract() * film.pixels.len() as f64) as usize;
         let places: Vec<[u32; 2]> = (0..film.pixels.len().min(PRICED))
             .map(place)
             .map(|i| [(i % film.width as usize) as u32, (i / film.width as usize) as u32])
@@ -297,8 +302,10 @@ impl Search<'_, '_> {
         let settings = self.settings(steps);
         let (mut own, mut other) = (0, 0);
         for part in places.chunks(PART / 4) {
-            own += (self.again)(&self.scene.settings, part)?.rays;
-            other += (self.again)(&settings, part)?.rays;
+            self.scene.settings = self.own.clone();
+            own += (self.again)(&self.scene, part)?.rays;
+            self.scene.settings = settings.clone();
+            other += (self.again)(&self.scene, part)?.rays;
             if other > FEW_RAYS {
                 break;
             }
@@ -333,6 +340,6 @@ mod tests {
     fn light_is_judged_against_white_and_in_brighter_pixels_against_their_own() {
         let light = Light { ceiling: DVec3::splat(2.0), exposure: 0.5 };
         assert_eq!(light.at_most([0.25, -0.5, 0.0], [0.0; 3]), 0.5);
-        assert_eq!(light.at_most([0.25, -0.5, 0.0], [0.0, 8.0, 0.0]), 0.25);
+        assert_eq!(light.at_most([0.25, -0.5, 0.0], [0.0, 4.0, 0.0]), 0.25);
     }
 }

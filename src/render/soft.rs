@@ -220,7 +220,7 @@ fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
         let shine = Shine::new(shading, (number, &lamp), surface, base, depth);
         for i in 0..shading.points.count() {
             let sent = shine.point::<PHYSICAL, SHINY>(&shading.points, i);
-            shading.accumulator.add_radiance8(sent.lanes, &surface.pixel, &sent.light);
+            shading.accumulator.add_light8(sent.lanes, &surface.pixel, &sent.light);
         }
     }
 }
@@ -287,7 +287,7 @@ fn settle<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
         let shine = Shine::new(shading, (number, &lamp), surface, base, depth);
         for i in PROBES..shading.points.count() {
             let sent = shine.point::<PHYSICAL, SHINY>(&shading.points, i);
-            shading.accumulator.add_radiance8(sent.lanes & clear, &surface.pixel, &sent.light);
+            shading.accumulator.add_light8(sent.lanes & clear, &surface.pixel, &sent.light);
             let new = shine.ray(shading, &sent);
             // Penumbras seldom take up all eight lanes.
             shading.shadows.push_in_order(sent.lanes & !clear & !blocked, &new);

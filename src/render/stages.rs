@@ -151,7 +151,7 @@ impl<'a> Call<'a> {
             let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)));
             let shiny = any(&|m| m.highlight.is_some());
             let glowing = any(&|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
-            if any(&base::answers_light) {
+            if any(&Material::answers_light) {
                 // A light without intensity adds nothing, and one that is walled in no more.
                 let adds = |i: usize, l: &Light| l.intensity != Rgb::ZERO && !self.reach.dark[i];
                 let shining = || scene.lights.iter().enumerate().filter(|&(i, l)| all || adds(i, l));

@@ -11,7 +11,7 @@ use super::class::{BINS, bin_of};
 use super::extra::Extra8;
 use super::media::StackId;
 use super::options::{Observer, Options};
-use super::outcome::{RayKind, Stage};
+use super::outcome::{RayKind, Seen, Stage};
 use super::queue::{Chunk, Rgb8, State8};
 use super::shading::Shading;
 use super::soft::{SoftStage, SoftStages, probing};
@@ -52,6 +52,10 @@ pub struct Worker<'a, I: Intersector> {
     eye_media: &'a [u32],
     /// By object.
     pub(super) bin_of: Vec<u8>,
+    /// By object: met by a ray that is no shadow ray.
+    met: Vec<bool>,
+    /// Camera rays that met nothing.
+    missed: u64,
 
     blocks: Vec<Block>,
     chunk: Chunk,
@@ -98,6 +102,8 @@ impl<'a, I: Intersector> Worker<'a, I> {
             eye_stack,
             eye_media,
             bin_of: scene.objects.iter().map(bin).collect(),
+            met: vec![false; scene.objects.len()],
+            missed: 0,
             blocks: Vec::new(),
             chunk: Chunk::default(),
             hits: Vec::new(),
@@ -114,6 +120,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
             shadow_weights: Vec::new(),
             arrived: Vec::new(),
         }
+    }
+
+    /// Objects and light that its tiles met so far.
+    pub fn seen(&self) -> Seen {
+        Seen { objects: self.met.clone(), missed: self.missed, lit: self.shading.accumulator.lit != 0 }
     }
 
     /// Renders one tile into the accumulator, part by part, so that memory does not grow with the number of samples.
@@ -225,6 +236,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
             medium(&self.shading, chunk, &hits);
         }
         self.sort(chunk, &hits);
+        if kind == RayKind::Camera {
+            self.missed += self.misses.len() as u64;
+        }
         if let Some(miss) = stages.miss.filter(|_| !self.misses.is_empty()) {
             self.shading.streams.count(Stage::Miss);
             miss(&mut self.shading, chunk, &self.misses);
@@ -313,7 +327,10 @@ impl<'a, I: Intersector> Worker<'a, I> {
     #[inline(always)]
     fn places_on(&mut self, object: u32) -> &mut Vec<HitRef> {
         match self.bin_of.get(object as usize) {
-            Some(&bin) => &mut self.bins[bin as usize],
+            Some(&bin) => {
+                self.met[object as usize] = true;
+                &mut self.bins[bin as usize]
+            }
             None => &mut self.misses,
         }
     }

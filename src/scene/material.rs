@@ -65,6 +65,12 @@ impl Material {
         Self { name: name.into(), diffuse: Colour::Constant(Rgb::ZERO), ..Self::default() }
     }
 
+    /// Returns true if light makes a difference to its base.
+    #[must_use]
+    pub fn answers_light(&self) -> bool {
+        self.diffuse != Colour::Constant(Rgb::ZERO) || self.highlight.is_some()
+    }
+
     /// Whether light passes through it: what shadow rays are marched over.
     #[must_use]
     pub fn is_transmissive(&self) -> bool {

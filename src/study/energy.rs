@@ -86,7 +86,7 @@ impl Ledger {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{RayCounts, StreamCounts};
+    use crate::render::{RayCounts, Seen, StreamCounts};
 
     #[test]
     fn the_ledger_adds_up_by_hand() {
@@ -101,6 +101,7 @@ mod tests {
             clamped: 0,
             unmatched_exits: 3,
             streams: StreamCounts::default(),
+            seen: Seen::default(),
         };
         let ledger = Ledger::of(&outcome, &film([1.0, 0.5]));
         assert_eq!((ledger.light, ledger.reference), (0.875, 0.75));

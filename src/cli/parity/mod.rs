@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::options::Parity;
+use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress, view};
 use crate::accel::reference::Reference;
 use crate::load::{self, LoadOptions, Loaded};
@@ -24,12 +25,13 @@ use report::{Facts, Report};
 pub(super) fn run(job: &Parity) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let Loaded { mut scene, .. } = load::scene(&job.scene, &LoadOptions::default())?;
+    let options = render::Options { threads: job.threads, ..render::Options::default() };
+    backend::start_threads(&options)?;
+    let Loaded { mut scene, report } = load::scene(&job.scene, &LoadOptions::default())?;
+    let warnings = Warnings::survey(&job.scene, &mut scene, &report, &options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     // The middle of a pixel alone, so that its value belongs to one ray.
     scene.settings.samples = 1;
-    let options = render::Options { threads: job.threads, ..render::Options::default() };
-    backend::start_threads(&options)?;
 
     let reference = Reference::build(&scene.geometry);
     let contenders = Contenders::build(&scene, job.bvh, options.thread_count());
@@ -49,7 +51,18 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
         })
     })?;
 
-    let facts = Facts { job, scene: &scene, contenders: &contenders, sets: &sets, records: &records, pixels: &pixels };
+    if !job.quiet {
+        warnings.log();
+    }
+    let facts = Facts {
+        job,
+        scene: &scene,
+        warnings: &warnings,
+        contenders: &contenders,
+        sets: &sets,
+        records: &records,
+        pixels: &pixels,
+    };
     let report = Report::of(&facts);
     if job.json {
         output::print_json(&report)?;

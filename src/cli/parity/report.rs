@@ -7,6 +7,7 @@ use super::pixels::{Pixels, TOLERANCE, Worst};
 use crate::accel::reference::{Cause, Fault};
 use crate::cli::options::Parity;
 use crate::cli::table::{counted, grouped};
+use crate::cli::warnings::Warnings;
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fault_name};
@@ -15,6 +16,7 @@ use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fa
 pub(super) struct Facts<'a> {
     pub job: &'a Parity,
     pub scene: &'a Scene,
+    pub warnings: &'a Warnings,
     pub contenders: &'a Contenders,
     pub sets: &'a [Set],
     pub records: &'a [Vec<Records>],
@@ -27,6 +29,8 @@ pub(super) struct Report {
     version: &'static str,
     simd: &'static str,
     scene: String,
+    #[serde(flatten)]
+    warnings: Warnings,
     triangles: u64,
     spheres: u64,
     planes: u64,
@@ -132,7 +136,7 @@ struct Met {
 
 impl Report {
     pub fn of(facts: &Facts) -> Self {
-        let Facts { job, scene, contenders, sets, records, pixels } = facts;
+        let Facts { job, scene, warnings, contenders, sets, records, pixels } = facts;
         let (names, shapes) = (contenders.names(), scene.shape_counts());
         let mut rows = Vec::new();
         let mut examples = Vec::new();
@@ -168,6 +172,7 @@ impl Report {
             version: env!("CARGO_PKG_VERSION"),
             simd: level::BUILT,
             scene: job.scene.display().to_string(),
+            warnings: (*warnings).clone(),
             triangles: shapes.triangles,
             spheres: shapes.spheres,
             planes: shapes.planes,
@@ -398,6 +403,7 @@ mod tests {
         Report::of(&Facts {
             job: &job,
             scene: &Scene::default(),
+            warnings: &Warnings::default(),
             contenders: &contenders,
             sets: &[set],
             records: &[records],

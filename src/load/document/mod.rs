@@ -8,6 +8,7 @@ mod mesh;
 mod refraction;
 mod table;
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -57,6 +58,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
         mesh::mesh(&reader, table, i, &names, &mut assembly)?;
     }
     top.finish()?;
+    names.report_unused(&mut assembly);
     if assembly.scene.objects.is_empty() {
         assembly.reporter.warn(
             path,
@@ -91,7 +93,9 @@ impl<'d> Reader<'d> {
                 return Err(value.error(format!("there is a material called `{name}` already")));
             }
             let material = material::material(self, &table, name, assembly)?;
-            names.0.insert(name.to_owned(), assembly.add_material(material)?);
+            let line = self.source.line(table.span.start) as u32;
+            let place = assembly.add_material(material)?;
+            names.0.insert(name.to_owned(), Entry { place, line, used: Cell::new(false) });
         }
         Ok(names)
     }
@@ -99,18 +103,36 @@ impl<'d> Reader<'d> {
 
 /// Materials of the scene file by name.
 #[derive(Default)]
-struct Names(HashMap<String, u32>);
+struct Names(HashMap<String, Entry>);
+
+/// A material of the scene file.
+struct Entry {
+    /// Place in `Scene::materials`.
+    place: u32,
+    /// Line of its table.
+    line: u32,
+    /// True once a mesh or the camera has named it.
+    used: Cell<bool>,
+}
 
 impl Names {
     /// The place of the material that a value names.
     fn material(&self, value: &Value<'_>) -> Result<u32> {
         let name = value.text()?;
-        self.0.get(name).copied().ok_or_else(|| {
+        let entry = self.0.get(name).inspect(|entry| entry.used.set(true));
+        entry.map(|entry| entry.place).ok_or_else(|| {
             let mut known: Vec<&str> = self.0.keys().map(String::as_str).collect();
             known.sort_unstable();
             let short: String = name.chars().take(80).collect();
             value.error(format!("no material is called `{short}`{}", hint(&short, known)))
         })
+    }
+
+    /// Notes the materials that nothing has named, in the order of the file.
+    fn report_unused(self, assembly: &mut Assembly<'_>) {
+        let mut unused: Vec<_> = self.0.into_iter().filter(|(_, entry)| !entry.used.get()).collect();
+        unused.sort_unstable_by_key(|(_, entry)| entry.place);
+        unused.into_iter().for_each(|(name, entry)| assembly.reporter.unused_material(name, entry.line));
     }
 
     /// The place of the medium that the named dielectric encloses.

@@ -52,7 +52,9 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
         Some(material) => vec![material; scan.uses.len()],
         None => materials(path, &scan, assembly)?,
     };
+    let dropped_before = assembly.reporter.dropped_so_far();
     let parts = parts::parts(path, &scan, &materials, &mut assembly.reporter)?;
+    assembly.reporter.model(path, scan.faces.len(), dropped_before);
     if parts.is_empty() {
         return Err(Error::file(path, "has no triangles"));
     }

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{Again, FilmRay, Limit, Observer, Options, Outcome, PixelMean, Reflection, StreamCounts};
+use super::{Again, FilmRay, Limit, Observer, Options, Outcome, PixelMean, Reflection, Seen, StreamCounts};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
@@ -218,6 +218,11 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
         clamped: counts.clamped,
         unmatched_exits: counts.unmatched_exits,
         streams: StreamCounts::default(),
+        seen: Seen {
+            objects: (0..prepared.scene.objects.len() as u32).map(|o| counts.met.contains(&o)).collect(),
+            missed: counts.missed,
+            lit: counts.lit,
+        },
     })
 }
 

@@ -1,5 +1,7 @@
 //! What one or many camera rays came to.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
 use crate::render::{Limit, RayCounts};
@@ -24,6 +26,12 @@ pub struct Tally {
     pub clamped: u64,
     /// Rays that left a medium they had never entered.
     pub unmatched_exits: u64,
+    /// Objects that rays met, shadow rays apart.
+    pub met: BTreeSet<u32>,
+    /// Camera rays that met nothing.
+    pub missed: u64,
+    /// True if any surface sent light of a lamp.
+    pub lit: bool,
 }
 
 impl Tally {
@@ -60,5 +68,8 @@ impl Tally {
         self.non_finite += o.non_finite;
         self.clamped += o.clamped;
         self.unmatched_exits += o.unmatched_exits;
+        self.met.extend(&o.met);
+        self.missed += o.missed;
+        self.lit |= o.lit;
     }
 }

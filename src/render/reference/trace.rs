@@ -141,9 +141,11 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             return;
         }
         if !hit.is_hit() {
+            self.tally.missed += u64::from(ray.kind == RayKind::Camera);
             self.add(ray.node, Source::Environment, ray.weight * colour::of_environment(scene, ray.dir));
             return;
         }
+        self.tally.met.insert(hit.geometry);
         let surface = Surface::at(scene, &line, &hit);
         let front = ray.dir.dot(surface.outward) < 0.0;
         let material = self.prepared.material(hit.geometry);
@@ -474,6 +476,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
         let radiance = weight * sent * let_through;
         self.tally.add(radiance);
+        self.tally.lit |= radiance != DVec3::ZERO;
         Some(Lit { arriving, unshadowed: weight * sent, radiance })
     }
 

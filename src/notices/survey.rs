@@ -1,0 +1,56 @@
+//! The notices of a scene for commands that make no picture of it.
+
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use super::{Facts, Notice, of_picture, of_scene};
+use crate::Result;
+use crate::accel::{Unbounded, native::Native};
+use crate::effects;
+use crate::load::LoadReport;
+use crate::render::{self, Observer, Options, Shortfall};
+use crate::scene::{Scene, Settings};
+
+/// Pixels along each side of the first picture, at most.
+const FIRST_LOOK: u32 = 96;
+
+/// The notices that a render of `scene` would report, with the scene's own settings and no effect left out.
+///
+/// A small picture with one ray a pixel comes first. Only where a check finds something in it, the whole picture is made,
+/// whose findings count. The native back end makes both. The scene is returned as it was.
+///
+/// # Errors
+/// As [`render::render`].
+pub fn survey(
+    file: &Path,
+    scene: &mut Scene,
+    report: &LoadReport,
+    options: &Options,
+    observer: &Observer,
+) -> Result<Vec<Notice>> {
+    let options = Options { effects: effects::Options::default(), ..options.clone() };
+    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let look = |scene: &Scene| -> Result<Vec<Notice>> {
+        let mut outcome = render::render(scene, &accel, &options, observer)?;
+        let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, &accel, &options, observer, which);
+        outcome.shortfall = Shortfall::of(scene, &options, &outcome, 1.0, &again)?;
+        Ok(of_picture(&Facts { file, scene, report, options: &options }, &outcome))
+    };
+    let mut notices = of_scene(&Facts { file, scene, report, options: &options });
+    let whole = scene.settings.clone();
+    scene.settings = first_look(&whole);
+    let first = look(scene);
+    scene.settings = whole;
+    if !first?.is_empty() {
+        notices.extend(look(scene)?);
+    }
+    observer.pixels_done.store(0, Ordering::Relaxed);
+    Ok(notices)
+}
+
+/// Settings of a picture of the same shape with few pixels.
+fn first_look(settings: &Settings) -> Settings {
+    let edge = settings.width.max(settings.height).max(1);
+    let scaled = |x: u32| (u64::from(x) * u64::from(FIRST_LOOK.min(edge)) / u64::from(edge)).max(1) as u32;
+    Settings { width: scaled(settings.width), height: scaled(settings.height), samples: 1, ..settings.clone() }
+}

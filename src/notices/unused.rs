@@ -1,0 +1,16 @@
+//! Materials of the scene file that nothing uses.
+
+use super::{Check, Facts, Find, Finding, Place};
+
+/// A `[[material]]` without a `[[mesh]]`.
+pub(super) const CHECK: Check = Check { id: "unused-material", find: Find::InScene(find) };
+
+fn find(facts: &Facts) -> Vec<Finding> {
+    let finding = |(name, line): &(String, u32)| Finding {
+        place: Place { line: *line, ..Place::file(facts.file) },
+        wrong: format!("the [[material]] `{name}` is not used"),
+        because: String::from("no [[mesh]] names it"),
+        cure: format!("write `material = \"{name}\"` in a [[mesh]], or remove it"),
+    };
+    facts.report.unused_materials.iter().map(finding).collect()
+}
