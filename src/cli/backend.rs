@@ -11,7 +11,7 @@ use crate::Error;
 use crate::Result;
 use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
-use crate::render::{self, Observer, Options, Outcome};
+use crate::render::{self, Observer, Options, Outcome, Shortfall};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
 use crate::system::threads;
@@ -149,7 +149,8 @@ pub(super) fn start_threads(options: &Options) -> Result<()> {
     threads::start_global_pool(options.thread_count())
 }
 
-/// Builds what `backend` needs and renders.
+/// Builds what `backend` needs and renders; looks for missing light in a picture that will be multiplied by `exposure`, where
+/// that is given.
 ///
 /// # Errors
 /// `Interrupted`; a limit, where threads cannot be started or a library is missing.
@@ -159,21 +160,31 @@ pub(super) fn trace(
     bvh: BuildQuality,
     options: &Options,
     observer: &Observer,
+    exposure: Option<f32>,
 ) -> Result<Traced> {
     // Before the work of building.
     render::need(&scene.settings)?;
     let start = Instant::now();
     match backend {
-        Backend::Native => Ok(with(Native::try_build_as(&scene.geometry, bvh)?, start, scene, options, observer)?.0),
+        Backend::Native => {
+            Ok(with(Native::try_build_as(&scene.geometry, bvh)?, start, scene, options, observer, exposure)?.0)
+        }
         Backend::Walk(triangles, reciprocal) => {
             let walk = Walk::try_build(&scene.geometry, bvh, triangles, reciprocal)?;
-            let (traced, accel) = with(walk, start, scene, options, observer)?;
+            let (traced, accel) = with(walk, start, scene, options, observer, exposure)?;
             Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
         }
         Backend::Reference => {
-            let outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
+            let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
             let render_time = start.elapsed();
-            Ok(Traced { outcome, build: None, build_time: Duration::ZERO, render_time, library: None, lanes: None })
+            if let Some(exposure) = exposure {
+                let again = |scene: &Scene, which: &[[u32; 2]]| {
+                    interrupt::heeded(|| render::reference::pixels(scene, options, observer, which))
+                };
+                outcome.shortfall = Shortfall::of(scene, options, &outcome, exposure, &again)?;
+            }
+            let build_time = Duration::ZERO;
+            Ok(Traced { outcome, build: None, build_time, render_time, library: None, lanes: None })
         }
         #[cfg(feature = "embree")]
         Backend::Embree(mode) => {
@@ -182,7 +193,7 @@ pub(super) fn trace(
             let wish = embree::Options { mode, quality: bvh.into(), threads, ..embree::Options::default() };
             let built = Embree::build(&scene.geometry, &wish)?;
             let [major, minor, patch] = built.library().version;
-            let traced = with(built, start, scene, options, observer)?.0;
+            let traced = with(built, start, scene, options, observer, exposure)?.0;
             Ok(Traced { library: Some(format!("Embree {major}.{minor}.{patch}")), ..traced })
         }
     }
@@ -195,12 +206,18 @@ fn with<I: Intersector>(
     scene: &Scene,
     options: &Options,
     observer: &Observer,
+    exposure: Option<f32>,
 ) -> Result<(Traced, Unbounded<I>)> {
     let accel = Unbounded::new(bounded, &scene.geometry);
     let build_time = start.elapsed();
-    let outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
+    let mut outcome = interrupt::heeded(|| render::render(scene, &accel, options, observer))?;
     let render_time = start.elapsed() - build_time;
-    let traced =
-        Traced { outcome, build: Some(accel.build_stats()), build_time, render_time, library: None, lanes: None };
-    Ok((traced, accel))
+    if let Some(exposure) = exposure {
+        let again = |scene: &Scene, which: &[[u32; 2]]| {
+            interrupt::heeded(|| render::pixels(scene, &accel, options, observer, which))
+        };
+        outcome.shortfall = Shortfall::of(scene, options, &outcome, exposure, &again)?;
+    }
+    let build = Some(accel.build_stats());
+    Ok((Traced { outcome, build, build_time, render_time, library: None, lanes: None }, accel))
 }

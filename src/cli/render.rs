@@ -94,11 +94,12 @@ fn facts<'a>(job: &'a Render, scene: &'a Scene, report: &'a LoadReport) -> notic
     notices::Facts { file: &job.scene, scene, report, options: &job.options }
 }
 
-/// Renders, with a bar.
+/// Renders, with a bar; looks for missing light in a picture of which no budget decides.
 pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Result<Traced> {
+    let exposure = job.wish.is_none().then(|| job.exposure.factor());
     let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
     progress::follow(observer, pixels, !job.quiet, || {
-        backend::trace(scene, job.backend, job.bvh, &job.options, observer)
+        backend::trace(scene, job.backend, job.bvh, &job.options, observer, exposure)
     })
 }
 
@@ -152,6 +153,8 @@ mod tests {
             outcome: Outcome {
                 film: Film::default(),
                 truncated: Film::default(),
+                limits: Vec::new(),
+                shortfall: None,
                 rays: RayCounts::default(),
                 non_finite,
                 clamped,

@@ -11,7 +11,7 @@ use super::unmatched::{Leak, Unmatched};
 use super::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
-use crate::render::{RayCounts, RayKind};
+use crate::render::{RayCounts, RayKind, Shortfall};
 use crate::scene::Scene;
 use crate::simd::level;
 
@@ -58,6 +58,8 @@ pub(super) struct Summary<'a> {
     #[serde(skip)]
     unmatched: Vec<String>,
     truncated: Truncated,
+    /// Visible light that the picture lacks for it, in more than a thousandth of the pixels.
+    shortfall: Option<Shortfall>,
     #[serde(flatten)]
     warnings: &'a Warnings,
     defaults: Vec<String>,
@@ -264,6 +266,7 @@ impl<'a> Summary<'a> {
             },
             truncated: Truncated::of(&outcome.truncated),
             touching: Touching { pairs: outcome.touching.pairs, seconds: outcome.touching.time.as_secs_f64() },
+            shortfall: outcome.shortfall,
             warnings,
             defaults: report.defaults.clone(),
             budget: *budget,

@@ -90,6 +90,8 @@ mod tests {
             clamped: 0,
             unmatched_exits: unmatched_objects.iter().map(|(_, n)| n).sum(),
             unmatched_objects,
+            limits: Vec::new(),
+            shortfall: None,
             streams: StreamCounts::default(),
             touching: crate::render::TouchingFound::default(),
             seen: Seen::default(),

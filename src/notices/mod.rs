@@ -13,6 +13,7 @@ mod near;
 mod nothing_seen;
 mod notice;
 mod survey;
+mod truncated;
 mod unlit;
 mod unused;
 mod view;
@@ -53,6 +54,7 @@ pub const CHECKS: &[Check] = &[
     inside::CHECK,
     unlit::CHECK,
     low_poly::CHECK,
+    truncated::CHECK,
 ];
 
 /// Findings of the checks that need no picture.

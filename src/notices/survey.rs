@@ -8,7 +8,7 @@ use crate::Result;
 use crate::accel::{Unbounded, native::Native};
 use crate::effects;
 use crate::load::LoadReport;
-use crate::render::{self, Observer, Options};
+use crate::render::{self, Observer, Options, Shortfall};
 use crate::scene::{Scene, Settings};
 
 /// Pixels along each side of the first picture, at most.
@@ -31,7 +31,9 @@ pub fn survey(
     let options = Options { effects: effects::Options::default(), ..options.clone() };
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
-        let outcome = render::render(scene, &accel, &options, observer)?;
+        let mut outcome = render::render(scene, &accel, &options, observer)?;
+        let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, &accel, &options, observer, which);
+        outcome.shortfall = Shortfall::of(scene, &options, &outcome, 1.0, &again)?;
         Ok(of_picture(&Facts { file, scene, report, options: &options }, &outcome))
     };
     let mut notices = of_scene(&Facts { file, scene, report, options: &options });

@@ -3,6 +3,7 @@
 //! Floating-point sums depend on their order, and the order in which rays reach a pixel depends on how they were
 //! grouped. Fixed-point sums do not: each contribution is rounded once, towards zero, to a multiple of 2^-64.
 
+use super::limit::Limit;
 use super::queue::Rgb8;
 use crate::math::Real;
 
@@ -16,13 +17,27 @@ const LIMIT: f32 = 4.611_686e18;
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelSum {
     radiance: [i128; 3],
-    truncated: [i128; 3],
+    /// Weight that the cut-off ended.
+    cut: [i128; 3],
+}
+
+/// The mean of a pixel's camera rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelMean {
+    /// Radiance per channel.
+    pub radiance: [f32; 3],
+    /// Weight of rays that ended at a limit, per channel.
+    pub truncated: [f32; 3],
+    /// The limit that ended most of it.
+    pub limit: Option<Limit>,
 }
 
 /// The sums of a tile's pixels.
 #[derive(Debug, Default)]
 pub struct Accumulator {
     pixels: Vec<PixelSum>,
+    /// Weight by the limits after [`Limit::Cutoff`], apart because most tiles have none: empty until there is some.
+    ended: Vec<[[i128; 3]; Limit::ALL.len() - 1]>,
     /// Contributions left out because a channel was NaN or infinite.
     pub non_finite: u64,
     /// Contributions clamped to [`LIMIT`].
@@ -36,39 +51,51 @@ impl Accumulator {
     pub fn reset(&mut self, n: usize) {
         self.pixels.clear();
         self.pixels.resize(n, PixelSum::default());
+        self.ended.clear();
     }
 
     /// Adds radiance to the pixels of the lanes in `lanes`.
     pub fn add_radiance8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
-        self.add8(lanes, pixel, radiance, |sum| &mut sum.radiance);
+        self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
     }
 
     /// Adds what a surface sends of the light of a lamp, as [`Self::add_radiance8`] does.
     pub fn add_light8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
-        self.lit |= self.add8(lanes, pixel, radiance, |sum| &mut sum.radiance);
+        self.lit |= self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
     }
 
     /// Adds the light of many packets, as [`Self::add_light8`] does of one.
     pub fn add_light<'a>(&mut self, packets: impl Iterator<Item = (u8, &'a [u32; 8], &'a Rgb8)>) {
         for (lanes, pixel, radiance) in packets {
-            self.lit |= self.add8(lanes, pixel, radiance, |sum| &mut sum.radiance);
+            self.lit |= self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
         }
     }
 
-    /// Adds the weight of ended rays to the pixels of the lanes in `lanes`.
-    pub fn add_truncated8(&mut self, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
-        self.add8(lanes, pixel, weight, |sum| &mut sum.truncated);
+    /// Adds the weight of rays that the cut-off ended to the pixels of the lanes in `lanes`.
+    pub fn add_cut8(&mut self, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
+        self.add8(lanes, pixel, weight, |sums, i| &mut sums.pixels[i].cut);
+    }
+
+    /// Adds the weight of rays that `limit` ended to the pixels of the lanes in `lanes`.
+    #[cold]
+    pub fn add_ended8(&mut self, limit: Limit, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
+        if lanes == 0 {
+            return;
+        }
+        let Some(place) = (limit as usize).checked_sub(1) else { return self.add_cut8(lanes, pixel, weight) };
+        self.ended.resize(self.pixels.len(), Default::default());
+        self.add8(lanes, pixel, weight, |sums, i| &mut sums.ended[i][place]);
     }
 
     /// Returns the lanes whose value is not zero.
-    // In line in the four above, and these nowhere: a loop over packets is then not one over calls.
+    // In line in those above, and these nowhere: a loop over packets is then not one over calls.
     #[inline(always)]
     fn add8(
         &mut self,
         lanes: u8,
         pixel: &[u32; 8],
         value: &Rgb8,
-        field: impl Fn(&mut PixelSum) -> &mut [i128; 3],
+        place: impl Fn(&mut Self, usize) -> &mut [i128; 3],
     ) -> u8 {
         // Zero adds nothing, and much of what comes here is zero; NaN is not zero.
         let zero = (value.x.eq(Real::zero()) & value.y.eq(Real::zero()) & value.z.eq(Real::zero())).bits();
@@ -82,7 +109,7 @@ impl Accumulator {
             if rgb.iter().any(|c| c.abs() >= LIMIT) {
                 self.clamped += 1;
             }
-            let sum = field(&mut self.pixels[pixel[lane] as usize]);
+            let sum = place(self, pixel[lane] as usize);
             for (s, c) in sum.iter_mut().zip(rgb) {
                 *s += to_fixed(c.clamp(-LIMIT, LIMIT));
             }
@@ -93,15 +120,23 @@ impl Accumulator {
     /// The sums of pixel `i`: radiance and truncated weight, in units of 2^-64.
     #[must_use]
     pub fn sums(&self, i: usize) -> ([i128; 3], [i128; 3]) {
-        (self.pixels[i].radiance, self.pixels[i].truncated)
+        let mut truncated = self.pixels[i].cut;
+        for ended in self.ended.get(i).into_iter().flatten() {
+            truncated.iter_mut().zip(ended).for_each(|(sum, weight)| *sum += weight);
+        }
+        (self.pixels[i].radiance, truncated)
     }
 
-    /// The radiance and the truncated weight of pixel `i`, divided by `samples`.
+    /// The sums of pixel `i` divided by `samples`.
     #[must_use]
-    pub fn mean(&self, i: usize, samples: u32) -> ([f32; 3], [f32; 3]) {
+    pub fn mean(&self, i: usize, samples: u32) -> PixelMean {
         let scale = 2.0_f64.powi(-FRACTION_BITS) / f64::from(samples);
         let to_float = |sums: [i128; 3]| sums.map(|s| (s as f64 * scale) as f32);
-        (to_float(self.pixels[i].radiance), to_float(self.pixels[i].truncated))
+        let (radiance, truncated) = self.sums(i);
+        let mut by_limit = [self.pixels[i].cut; Limit::ALL.len()];
+        by_limit[1..].copy_from_slice(&self.ended.get(i).copied().unwrap_or_default());
+        let limit = Limit::heaviest(by_limit.map(|sums| sums.map(|s| s as f64)));
+        PixelMean { radiance: to_float(radiance), truncated: to_float(truncated), limit }
     }
 }
 
@@ -153,7 +188,7 @@ mod tests {
             for i in order {
                 a.add_radiance8(1, &[0; 8], &Vec3x8::all(F32x8::from(values[i])));
             }
-            a.mean(0, 1).0
+            a.mean(0, 1).radiance
         };
         let forward = sum(&mut (0..1000));
         assert_eq!(forward, sum(&mut (0..1000).rev()));
@@ -170,6 +205,6 @@ mod tests {
         }
         assert_eq!(a.non_finite, 3);
         assert_eq!(a.clamped, 1);
-        assert!(a.mean(0, 1).0[0] >= 4.6e18);
+        assert!(a.mean(0, 1).radiance[0] >= 4.6e18);
     }
 }

@@ -35,11 +35,31 @@ impl Ceiling {
     /// [`Error::Usage`], where there is none: a light that weakens with the square of the distance touches a surface
     /// that answers to it, or numbers grow beyond all bounds.
     pub fn of(scene: &Scene) -> Result<Self> {
+        let ceiling = Self::with(scene, |number, object, material| of_base(scene, number, object, material))?;
+        if ceiling.by_depth.iter().any(|most| !most.is_finite()) {
+            return Err(refused("the light of this scene adds up beyond all bounds"));
+        }
+        Ok(ceiling)
+    }
+
+    /// The bounds of a scene as far as it has any. `brightest` stands for the light of lamps on surfaces that they touch, and
+    /// for all light that adds up beyond all bounds.
+    #[must_use]
+    pub fn estimate(scene: &Scene, brightest: DVec3) -> Self {
+        let base = |number: usize, object: &Object, material: &Material| {
+            let own = material.emission.abs().as_dvec3() + (material.ambient * scene.ambient).abs().as_dvec3();
+            Ok(of_base(scene, number, object, material).unwrap_or(own + brightest))
+        };
+        let estimated = Self::with(scene, base).ok().filter(|c| c.by_depth.iter().all(|most| most.is_finite()));
+        estimated.unwrap_or_else(|| Self { by_depth: vec![brightest.max(of_environment(scene))] })
+    }
+
+    fn with(scene: &Scene, base: impl Fn(usize, &Object, &Material) -> Result<DVec3>) -> Result<Self> {
         let environment = of_environment(scene);
         let mut surfaces = Vec::with_capacity(scene.objects.len());
         for (number, object) in scene.objects.iter().enumerate() {
             let material = &scene.materials[object.material as usize];
-            surfaces.push((of_base(scene, number, object, material)?, material));
+            surfaces.push((base(number, object, material)?, material));
         }
         let deepest = scene.settings.max_depth as usize;
         let mut by_depth = vec![environment; deepest + 2];
@@ -48,9 +68,6 @@ impl Ceiling {
             by_depth[depth] = surfaces
                 .iter()
                 .fold(environment, |most, &(base, material)| most.max(of_surface(material, base, beyond, environment)));
-        }
-        if by_depth.iter().any(|most| !most.is_finite()) {
-            return Err(refused("the light of this scene adds up beyond all bounds"));
         }
         Ok(Self { by_depth })
     }

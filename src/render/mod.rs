@@ -16,6 +16,7 @@ mod extra;
 mod eye;
 mod lamp;
 mod light;
+mod limit;
 mod lookup;
 mod media;
 mod medium;
@@ -29,6 +30,7 @@ pub mod reference;
 mod room;
 mod shading;
 mod shadow;
+mod shortfall;
 mod sky;
 mod soft;
 mod split;
@@ -40,12 +42,15 @@ mod touch;
 mod unmatched;
 mod worker;
 
+pub use accumulate::PixelMean;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
+pub use limit::Limit;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
 pub use room::need;
+pub use shortfall::{Again, Cure, Shortfall};
 pub use unmatched::UnmatchedExits;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -64,8 +69,10 @@ use worker::{Media, Worker};
 
 /// What one tile came to.
 struct TileResult {
+    /// Its place in the list of tiles.
+    number: usize,
     tile: Tile,
-    pixels: Vec<([f32; 3], [f32; 3])>,
+    pixels: Vec<PixelMean>,
 }
 
 /// Renders `scene` with `accel`, which was built from `scene.geometry`.
@@ -79,34 +86,108 @@ struct TileResult {
 /// memory for the picture; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let scene = &*effects::without(scene, options.effects.without);
-    let tolls = Ceiling::asked(scene, options)?;
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    let (bodies, (contacts, touching)) = (Bodies::of(scene), contacts(scene, options));
-    let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
-    let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
+    room::need_with(settings, options.thread_count().min(tiles.len()))?;
+    let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
+    let (contacts, touching) = contacts(scene, options);
+    let parts = each(scene, accel, &contacts, options, observer, &tiles, &|tile| _ = done(tile))?;
+
+    let mut film = Film::new(settings.width, settings.height);
+    let mut truncated = Film::new(settings.width, settings.height);
+    let mut limits = vec![None; film.pixels.len()];
+    let mut tally = Tally::default();
+    for (results, part) in parts {
+        tally.merge(&part);
+        for TileResult { tile, pixels, .. } in results {
+            for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
+                let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
+                for (i, pixel) in line.iter().enumerate() {
+                    film.pixels[start + i] = pixel.radiance;
+                    truncated.pixels[start + i] = pixel.truncated;
+                    limits[start + i] = pixel.limit;
+                }
+            }
+        }
+    }
+    Ok(Outcome {
+        film,
+        truncated,
+        limits,
+        shortfall: None,
+        rays: tally.rays,
+        non_finite: tally.non_finite,
+        clamped: tally.clamped,
+        unmatched_exits: tally.unmatched_exits.total(),
+        unmatched_objects: tally.unmatched_exits.worst_first(),
+        streams: tally.streams,
+        touching,
+        seen: tally.seen,
+    })
+}
+
+/// Some pixels of the picture that [`render`] makes, by column and row from 0 at the upper left, to the bit; and how many
+/// rays they took.
+///
+/// # Errors
+/// As [`render`].
+pub fn pixels<I: Intersector>(
+    scene: &Scene,
+    accel: &I,
+    options: &Options,
+    observer: &Observer,
+    which: &[[u32; 2]],
+) -> Result<Again> {
+    let scene = &*effects::without(scene, options.effects.without);
+    let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
+    let (contacts, _) = contacts(scene, options);
+    let parts = each(scene, accel, &contacts, options, observer, &tiles, &|_| ())?;
+    let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
+    for (results, tally) in parts {
+        again.rays += tally.rays.total();
+        results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
+    }
+    Ok(again)
+}
+
+/// Renders tiles of a scene from which nothing is left to be left out: one list of results, and what was counted, for each
+/// thread.
+fn each<I: Intersector>(
+    scene: &Scene,
+    accel: &I,
+    contacts: &Contacts,
+    options: &Options,
+    observer: &Observer,
+    tiles: &[Tile],
+    done: &(dyn Fn(&Tile) + Sync),
+) -> Result<Vec<(Vec<TileResult>, Tally)>> {
+    let tolls = Ceiling::asked(scene, options)?;
+    let bodies = Bodies::of(scene);
+    let eye_bodies = eye::bodies_around(scene, accel, &bodies, contacts);
+    let stages = stages(scene, &eye_bodies, &bodies, contacts, options);
     let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
     let next = AtomicUsize::new(0);
+    let samples = scene.settings.samples * scene.settings.samples;
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
-        let media = Media { bodies: &bodies, contacts: &contacts, eye: &eye_bodies };
+        let media = Media { bodies: &bodies, contacts, eye: &eye_bodies };
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         worker.shading.shafts = shafts.as_ref();
         let mut results = Vec::new();
-        while let Some(&tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&tile) = tiles.get(number) else { break };
             worker.tile(&tile)?;
-            let samples = settings.samples * settings.samples;
             let pixels = (0..tile.pixels()).map(|i| worker.shading.accumulator.mean(i, samples)).collect();
-            results.push(TileResult { tile, pixels });
-            observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
+            results.push(TileResult { number, tile, pixels });
+            done(&tile);
         }
         Ok((results, Tally::of(&worker)))
     };
 
     let count = options.thread_count().min(tiles.len());
-    threads::need(count - 1)?;
-    room::need_with(settings, count)?;
-    let parts: Vec<_> = std::thread::scope(|scope| {
+    threads::need(count.saturating_sub(1))?;
+    std::thread::scope(|scope| {
         let spawned: Result<Vec<_>> = (1..count)
             .map(|_| threads::worker().spawn_scoped(scope, work).map_err(|e| threads::refused(count, &e)))
             .collect();
@@ -118,34 +199,6 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         let mut parts: Vec<_> = spawned?.into_iter().map(|t| t.join().expect("a worker does not panic")).collect();
         parts.push(mine);
         parts.into_iter().collect::<Result<Vec<_>>>()
-    })?;
-
-    let mut film = Film::new(settings.width, settings.height);
-    let mut truncated = Film::new(settings.width, settings.height);
-    let mut tally = Tally::default();
-    for (results, part) in parts {
-        tally.merge(&part);
-        for TileResult { tile, pixels } in results {
-            for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
-                let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
-                for (i, &(radiance, lost)) in line.iter().enumerate() {
-                    film.pixels[start + i] = radiance;
-                    truncated.pixels[start + i] = lost;
-                }
-            }
-        }
-    }
-    Ok(Outcome {
-        film,
-        truncated,
-        rays: tally.rays,
-        non_finite: tally.non_finite,
-        clamped: tally.clamped,
-        unmatched_exits: tally.unmatched_exits.total(),
-        unmatched_objects: tally.unmatched_exits.worst_first(),
-        streams: tally.streams,
-        touching,
-        seen: tally.seen,
     })
 }
 
@@ -175,7 +228,7 @@ pub fn recorded<I: Intersector>(
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
-    let (radiance, truncated) = worker.shading.accumulator.mean(0, samples);
+    let PixelMean { radiance, truncated, .. } = worker.shading.accumulator.mean(0, samples);
     Ok((radiance, truncated, tree))
 }
 

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use super::limit::Limit;
+use super::shortfall::Shortfall;
 use crate::image::Film;
 
 /// A finished picture and what it took.
@@ -12,6 +14,10 @@ pub struct Outcome {
     /// Weight that each pixel's cut rays carried (depth limit and weight cut-off), per channel: what the picture is
     /// short of by at most, in a scene of radiance 1.
     pub truncated: Film,
+    /// The limit that ended most of each pixel's truncated weight, in the order of the film's pixels.
+    pub limits: Vec<Option<Limit>>,
+    /// Visible light that the picture lacks for it, where the caller looked for that.
+    pub shortfall: Option<Shortfall>,
     /// Rays traced, by kind and depth.
     pub rays: RayCounts,
     /// Contributions that were NaN or infinite; left out of the picture.

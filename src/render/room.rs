@@ -1,12 +1,13 @@
 //! Memory for a picture, checked before the work.
 
+use super::accumulate::PixelMean;
 use crate::Result;
 use crate::scene::Settings;
 use crate::system::memory;
 
-/// Bytes that a pixel takes at the worst moment. When tiles become the film, radiance and truncated weight are held twice
-/// (48); when the film is encoded, film and truncated weight are held, and up to 28 bytes for the encoder.
-const BYTES_A_PIXEL: u64 = 52;
+/// Bytes that a pixel takes at the worst moment. When tiles become the film, radiance, truncated weight and limit are held
+/// twice; when the film is encoded, they are held once, with up to 28 bytes for the encoder.
+const BYTES_A_PIXEL: u64 = 2 * size_of::<PixelMean>() as u64;
 
 /// Bytes of a thread's queues, streams and scratch memory beside those that grow with depth.
 const BYTES_A_THREAD: u64 = 4 << 20;

@@ -4,6 +4,7 @@ use super::accumulate::Accumulator;
 use super::budget::divide;
 use super::ceiling::Ceiling;
 use super::extra::Extra8;
+use super::limit::Limit;
 use super::media::{MediaTable, StackId, Transition};
 use super::options::Options;
 use super::outcome::{RayCounts, RayKind, StreamCounts};
@@ -172,11 +173,13 @@ impl<'a> Shading<'a> {
         // Of a wavelength, a channel may weigh less than nothing.
         let heaviest = new.weight.abs().max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
-        let too_deep = depth >= self.max_depth;
+        if depth >= self.max_depth {
+            return self.accumulator.add_ended8(Limit::Depth, carrying, new.pixel, &new.weight);
+        }
         // A NaN weight compares false and lives on, to be counted where it lands.
         let light = heaviest.lt(F32x8::from(self.cutoff)).bits();
-        let ended = if too_deep { carrying } else { carrying & light };
-        self.accumulator.add_truncated8(ended, new.pixel, &new.weight);
+        let ended = carrying & light;
+        self.accumulator.add_cut8(ended, new.pixel, &new.weight);
         self.queue(kind, depth + 1).push8(carrying & !ended, new);
     }
 
@@ -220,8 +223,8 @@ impl<'a> Shading<'a> {
                 let cut = division.cut[0].bits() | paid;
                 paid |= division.cut[1].bits();
                 budget = division.budget[1];
-                let ended = if too_deep { ray.lanes } else { ray.lanes & cut };
-                self.accumulator.add_truncated8(ended, &ray.pixel, &ray.weight);
+                let (limit, ended) = if too_deep { (Limit::Depth, ray.lanes) } else { (Limit::Asked, ray.lanes & cut) };
+                self.accumulator.add_ended8(limit, ended, &ray.pixel, &ray.weight);
                 let mut extra = ray.extra;
                 extra.set_budget(division.budget[0]);
                 let new = Spawn8 {

@@ -94,6 +94,8 @@ mod tests {
         let outcome = Outcome {
             film: film([1.5, 0.25]),
             truncated: film([0.0, 0.25]),
+            limits: vec![None; 2],
+            shortfall: None,
             rays: RayCounts::default(),
             non_finite: 0,
             clamped: 0,

@@ -25,7 +25,9 @@ use rayon::prelude::*;
 use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{FilmRay, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
+use super::{
+    Again, FilmRay, Limit, Observer, Options, Outcome, PixelMean, Reflection, Seen, StreamCounts, TouchingFound,
+};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
@@ -180,8 +182,7 @@ impl<'a> Prepared<'a> {
     #[must_use]
     pub fn recorded_at(&self, x: f64, y: f64) -> Tree {
         let mut tree = Tree::default();
-        let (origin, dir) = self.camera_ray(x, y);
-        Tracer::trace(self, film_ray(x, y), origin, dir, &mut tree);
+        Tracer::trace(self, film_ray(x, y), self.camera_ray(x, y), DVec3::ZERO, &mut tree);
         tree
     }
 
@@ -226,6 +227,7 @@ fn film_ray(x: f64, y: f64) -> FilmRay {
 struct Row {
     radiance: Vec<[f32; 3]>,
     truncated: Vec<[f32; 3]>,
+    limits: Vec<Option<Limit>>,
     /// Its counts; radiance and weight are in the pixels.
     counts: Tally,
 }
@@ -258,15 +260,19 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
 
     let mut film = Film { width, height, pixels: Vec::new() };
     let mut truncated = Film { width, height, pixels: Vec::new() };
+    let mut limits = Vec::new();
     let mut counts = Tally::default();
     for row in rows {
         film.pixels.extend(row.radiance);
         truncated.pixels.extend(row.truncated);
+        limits.extend(row.limits);
         counts.merge(&row.counts, 0.0);
     }
     Ok(Outcome {
         film,
         truncated,
+        limits,
+        shortfall: None,
         rays: counts.rays,
         non_finite: counts.non_finite,
         clamped: counts.clamped,
@@ -282,8 +288,28 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
     })
 }
 
+/// Some pixels of the picture that [`render`] makes, by column and row, and how many rays they took.
+///
+/// # Errors
+/// As [`render`].
+pub fn pixels(scene: &Scene, options: &Options, observer: &Observer, which: &[[u32; 2]]) -> Result<Again> {
+    let scene = &*effects::without(scene, options.effects.without);
+    let prepared = Prepared::with(scene, options);
+    let of = |&[x, y]: &[u32; 2]| {
+        if observer.stop.load(Relaxed) { Err(Error::Interrupted) } else { Ok(prepared.pixel(x, y, &mut Off)) }
+    };
+    let tallies: Vec<Tally> = which.par_iter().map(of).collect::<Result<_>>()?;
+    let mean = |tally: &Tally| PixelMean {
+        radiance: tally.radiance.as_vec3().to_array(),
+        truncated: tally.truncated.as_vec3().to_array(),
+        limit: tally.limit(),
+    };
+    let rays = tallies.iter().map(|tally| tally.rays.total()).sum();
+    Ok(Again { pixels: tallies.iter().map(mean).collect(), rays })
+}
+
 fn row(prepared: &Prepared, width: u32, y: u32, observer: &Observer) -> Result<Row> {
-    let mut row = Row { radiance: Vec::new(), truncated: Vec::new(), counts: Tally::default() };
+    let mut row = Row { radiance: Vec::new(), truncated: Vec::new(), limits: Vec::new(), counts: Tally::default() };
     for x in 0..width {
         if observer.stop.load(Relaxed) {
             return Err(Error::Interrupted);
@@ -291,6 +317,7 @@ fn row(prepared: &Prepared, width: u32, y: u32, observer: &Observer) -> Result<R
         let pixel = prepared.pixel(x, y, &mut Off);
         row.radiance.push(pixel.radiance.as_vec3().to_array());
         row.truncated.push(pixel.truncated.as_vec3().to_array());
+        row.limits.push(pixel.limit());
         row.counts.merge(&pixel, 0.0);
         observer.pixels_done.fetch_add(1, Relaxed);
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
-use crate::render::{RayCounts, UnmatchedExits};
+use crate::render::{Limit, RayCounts, UnmatchedExits};
 
 /// The largest contribution that the eight-wide renderer's accumulator holds, in radiance.
 const LARGEST: f64 = (1_u64 << 62) as f64;
@@ -16,6 +16,8 @@ pub struct Tally {
     pub radiance: DVec3,
     /// Weight of the rays that were cut, per channel.
     pub truncated: DVec3,
+    /// The same by the limit that ended them, in the order of [`Limit::ALL`].
+    pub ended: [DVec3; Limit::ALL.len()],
     /// Rays traced.
     pub rays: RayCounts,
     /// Contributions that were NaN or infinite, and left out.
@@ -45,10 +47,23 @@ impl Tally {
         self.radiance += contribution.clamp(DVec3::splat(-LARGEST), DVec3::splat(LARGEST));
     }
 
+    /// Counts the weight of a ray that a limit ended.
+    pub(super) fn end(&mut self, limit: Limit, weight: DVec3) {
+        self.truncated += weight;
+        self.ended[limit as usize] += weight;
+    }
+
+    /// The limit that ended most of the truncated weight.
+    #[must_use]
+    pub fn limit(&self) -> Option<Limit> {
+        Limit::heaviest(self.ended.map(|weight| weight.to_array()))
+    }
+
     /// Adds the counts, and `share` times the radiance and the truncated weight, of another tally.
     pub(super) fn merge(&mut self, o: &Self, share: f64) {
         self.radiance += o.radiance * share;
         self.truncated += o.truncated * share;
+        self.ended.iter_mut().zip(o.ended).for_each(|(sum, weight)| *sum += weight * share);
         self.rays.merge(&o.rays);
         self.non_finite += o.non_finite;
         self.clamped += o.clamped;

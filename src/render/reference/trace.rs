@@ -19,7 +19,7 @@ use crate::optics::{
 use crate::render::budget::{self, Division, divide};
 use crate::render::place::{Layer, Place, Through, governing};
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Split};
-use crate::render::{FilmRay, RayKind, Reflection};
+use crate::render::{FilmRay, Limit, RayKind, Reflection};
 use crate::scene::{FresnelRule, Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
 
 /// Surfaces that are "not there" in a row, at most.
@@ -246,7 +246,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     fn pass(&mut self, ray: &Pending, surface: &Surface, stack: MediumStack, through: Option<Through>) {
         let kind = RayKind::Transmitted;
         if ray.passed >= PASSED_AT_MOST {
-            self.tally.truncated += ray.weight;
+            self.tally.end(Limit::Passes, ray.weight);
             let cut = Cut { kind, weight: ray.weight, too_deep: false, too_light: false };
             self.note(ray.node, |event| event.cut.push(cut));
             return;
@@ -316,7 +316,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 let boundary = Boundary::new(prepared.ior(from, nm), prepared.ior(to, nm));
                 let crossing = boundary.cross(at.cos_i);
                 if crossing.total && prepared.total_is_lost {
-                    self.tally.truncated += at.ray.weight;
+                    self.tally.end(Limit::Asked, at.ray.weight);
                     return;
                 }
                 let Ways { back, on } = at_boundary(prepared.fresnel, rule, &boundary, &crossing, at.before);
@@ -509,7 +509,13 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
 
     /// Counts a secondary ray's weight as truncated.
     fn cut(&mut self, at: &Arrival, kind: RayKind, weight: DVec3, too_deep: bool, too_light: bool) {
-        self.tally.truncated += weight;
+        let proven = matches!(self.prepared.tolls, Ok(Some(_)));
+        let limit = match (too_deep, too_light && !proven) {
+            (true, _) => Limit::Depth,
+            (false, true) => Limit::Cutoff,
+            (false, false) => Limit::Asked,
+        };
+        self.tally.end(limit, weight);
         self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
     }
 

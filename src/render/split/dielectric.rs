@@ -1,6 +1,7 @@
 //! Boundaries of transparent solids and liquids: light is reflected and refracted.
 
 use super::super::accumulate::set_lanes;
+use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
@@ -127,7 +128,7 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     let dir = Vec3x8::select(straight, surface.incident, dir);
     // A formula may know no direction where there is one; what it would carry is not in the picture.
     let lost = total.bits() & !straight.bits() & lanes;
-    shading.accumulator.add_truncated8(lost, &surface.pixel, weight);
+    shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
     let extra = O::along(carried, dir);
     let new = Spawn8 {
         origin: surface.below(),
@@ -163,7 +164,7 @@ struct Entered {
 /// Ends the rays of some lanes, and gives the others of `all`.
 #[cold]
 fn lose(shading: &mut Shading, surface: &Surface8, lost: u8, all: u8) -> u8 {
-    shading.accumulator.add_truncated8(lost, &surface.pixel, &surface.weight);
+    shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, &surface.weight);
     all & !lost
 }
 
@@ -207,7 +208,7 @@ fn pass<const TOUCHING: bool>(
 ) {
     let passes = surface.passes.map(|n| n + 1);
     let spent = lane_bits(|k| passes[k] > MOST_PASSES) & lanes;
-    shading.accumulator.add_truncated8(spent, &surface.pixel, &surface.weight);
+    shading.accumulator.add_ended8(Limit::Passes, spent, &surface.pixel, &surface.weight);
     let mut counts = passes;
     if TOUCHING {
         for lane in set_lanes(lanes & !spent) {

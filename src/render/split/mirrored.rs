@@ -1,6 +1,7 @@
 //! What becomes of light that a surface reflects: traced, looked up, or left out.
 
 use super::super::extra::Extra8;
+use super::super::limit::Limit;
 use super::super::options::Reflection;
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
@@ -71,5 +72,5 @@ fn looked_up<S: Sky>(
 
 /// Not at all: its weight is that of a ray that ended.
 fn none(shading: &mut Shading, surface: &Surface8, lanes: u8, _: Vec3x8, weight: Rgb8, _: Option<&Extra8>, _: usize) {
-    shading.accumulator.add_truncated8(lanes, &surface.pixel, &weight);
+    shading.accumulator.add_ended8(Limit::Asked, lanes, &surface.pixel, &weight);
 }
