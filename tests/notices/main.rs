@@ -4,3 +4,4 @@ mod support;
 
 mod documented;
 mod losses;
+mod truncated;
