@@ -2,10 +2,11 @@
 //!
 //! The truncated weight of a pixel, times the [`Ceiling`] of the scene, bounds the light it may lack. The bound is far too
 //! high where the ended rays would have seen no lamp. So where more than a few pixels may lack light by it, a sample of
-//! these pixels is rendered again under wider limits. What the sample gains, and the bound on what still ends there, is
-//! what it lacked.
+//! these pixels is rendered again under wider limits, until what still ends there is invisible by the bound. What the sample
+//! gains is what it lacked.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{Ceiling, Limit, Options, Outcome, PixelMean};
 use crate::Result;
@@ -22,7 +23,7 @@ pub const ALLOWED: f64 = 1.0 / 1000.0;
 const SAMPLE: usize = 512;
 
 /// Pixels of the sample that are rendered at a time.
-const PART: usize = 64;
+const PART: usize = 16;
 
 /// Pixels that tell the cost of other limits, at most.
 const PRICED: usize = 256;
@@ -40,7 +41,7 @@ const LIGHTEST: f32 = 1e-6;
 const RAYS: u64 = 8;
 
 /// Rays that they may take in any case.
-const FEW_RAYS: u64 = 1 << 21;
+const FEW_RAYS: u64 = 1 << 23;
 
 /// Rays that they may take at most.
 const MOST_RAYS: u64 = 1 << 25;
@@ -118,7 +119,7 @@ impl Shortfall {
         if candidates.len() <= allowed {
             return Ok(None);
         }
-        candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        candidates.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let budget = (outcome.rays.total() / RAYS).clamp(FEW_RAYS, MOST_RAYS);
         let copy = Scene::clone(&scene);
         let own = copy.settings.clone();
@@ -179,9 +180,12 @@ impl Search<'_> {
         // The truth, as far as it can be had.
         let mut truth: Option<(Steps, Vec<PixelMean>)> = None;
         let mut lacks = bounds;
+        // Rendered again as well, since the picture may be another renderer's.
+        let narrow = self.render(self.own.clone(), &sample)?;
         for step in 1..=STEPS {
+            let Some(narrow) = &narrow else { break };
             let Some(seen) = self.render(self.settings([step; 2]), &sample)? else { break };
-            lacks = sample.iter().zip(&seen).map(|(&i, wide)| self.lacks(self.outcome.film.pixels[i], wide)).collect();
+            lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow.radiance, wide)).collect();
             let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
             truth = Some(([step; 2], seen));
             if self.short(&unknown, count) == 0 {
@@ -244,10 +248,10 @@ impl Search<'_> {
         Ok(Some(best))
     }
 
-    /// The light that a pixel lacks beside itself under wider limits.
+    /// The light that a pixel lacks beside itself under wider limits: what it gains, or what it may still lack where that is more.
     fn lacks(&self, narrow: [f32; 3], wide: &PixelMean) -> f64 {
         let gained = widened(wide.radiance) - widened(narrow);
-        self.light.seen(gained, widened(wide.radiance)) + self.light.at_most(wide.truncated, wide.radiance)
+        self.light.seen(gained, widened(wide.radiance)).max(self.light.at_most(wide.truncated, wide.radiance))
     }
 
     /// Pixels of the picture that lack visible light, by what the first `count` of the sample lack; 0 where they are no more
@@ -262,7 +266,11 @@ impl Search<'_> {
         let own = &self.own;
         let cutoff = if own.cutoff > 0.0 { own.cutoff } else { 4.0 * LIGHTEST };
         Settings {
-            max_depth: if deeper == 0 { own.max_depth } else { (own.max_depth.max(8) << deeper).min(DEEPEST) },
+            max_depth: if deeper == 0 {
+                own.max_depth
+            } else {
+                (own.max_depth.clamp(8, DEEPEST) << deeper).clamp(own.max_depth, DEEPEST.max(own.max_depth))
+            },
             cutoff: if lighter == 0 { own.cutoff } else { two_digits(cutoff / 4_f32.powi(lighter as i32)) },
             ..own.clone()
         }
@@ -274,15 +282,11 @@ impl Search<'_> {
         let places: Vec<[u32; 2]> = which.iter().map(|i| [(i % width) as u32, (i / width) as u32]).collect();
         let mut pixels = Vec::with_capacity(places.len());
         self.scene.settings = settings;
-        // A few first, since a single one may take millions of rays.
-        let (first, others) = places.split_at(places.len().min(2));
-        for part in std::iter::once(first).chain(others.chunks(PART)) {
+        for part in places.chunks(PART) {
             let seen = (self.again)(&self.scene, part)?;
             pixels.extend(seen.pixels);
-            let next = (places.len() - pixels.len()).min(PART) as u64;
-            let expected = seen.rays / part.len().max(1) as u64 * next;
             self.left = self.left.saturating_sub(seen.rays);
-            if expected > self.left {
+            if self.left == 0 && pixels.len() < places.len() {
                 return Ok(None);
             }
         }
@@ -301,7 +305,7 @@ impl Search<'_> {
             .collect();
         let settings = self.settings(steps);
         let (mut own, mut other) = (0, 0);
-        for part in places.chunks(PART / 4) {
+        for part in places.chunks(PART) {
             self.scene.settings = self.own.clone();
             own += (self.again)(&self.scene, part)?.rays;
             self.scene.settings = settings.clone();

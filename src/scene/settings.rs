@@ -27,7 +27,7 @@ impl Default for Settings {
             width: 640,
             height: 480,
             samples: 1,
-            max_depth: 16,
+            max_depth: 64,
             cutoff: 1.0 / 1024.0,
             shadows: ShadowRule::Straight,
             lamps: LampSampling::default(),

@@ -9,4 +9,5 @@ mod empty;
 mod inside_out;
 mod losses;
 mod low_poly;
+mod truncated;
 mod unlit;

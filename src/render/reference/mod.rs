@@ -25,9 +25,7 @@ use rayon::prelude::*;
 use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
 use super::record::{Off, Recorder, Tree};
-use super::{
-    Again, FilmRay, Limit, Observer, Options, Outcome, PixelMean, Reflection, Seen, StreamCounts, TouchingFound,
-};
+use super::{FilmRay, Limit, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
 use crate::accel::BuildStats;
 use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
@@ -286,26 +284,6 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
             lit: counts.lit,
         },
     })
-}
-
-/// Some pixels of the picture that [`render`] makes, by column and row, and how many rays they took.
-///
-/// # Errors
-/// As [`render`].
-pub fn pixels(scene: &Scene, options: &Options, observer: &Observer, which: &[[u32; 2]]) -> Result<Again> {
-    let scene = &*effects::without(scene, options.effects.without);
-    let prepared = Prepared::with(scene, options);
-    let of = |&[x, y]: &[u32; 2]| {
-        if observer.stop.load(Relaxed) { Err(Error::Interrupted) } else { Ok(prepared.pixel(x, y, &mut Off)) }
-    };
-    let tallies: Vec<Tally> = which.par_iter().map(of).collect::<Result<_>>()?;
-    let mean = |tally: &Tally| PixelMean {
-        radiance: tally.radiance.as_vec3().to_array(),
-        truncated: tally.truncated.as_vec3().to_array(),
-        limit: tally.limit(),
-    };
-    let rays = tallies.iter().map(|tally| tally.rays.total()).sum();
-    Ok(Again { pixels: tallies.iter().map(mean).collect(), rays })
 }
 
 fn row(prepared: &Prepared, width: u32, y: u32, observer: &Observer) -> Result<Row> {

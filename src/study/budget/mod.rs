@@ -396,10 +396,10 @@ mod tests {
         let double = candidate(Some(Level::Precision(Precision::Double)), 40.0, 0.0);
         let (ladder_, kept) = ladder(&tried, double.clone(), Wish::MaxError(1.0 / 512.0));
         let depths: Vec<u32> = ladder_.iter().map(|c| c.variant.depth).collect();
-        assert_eq!((depths, kept), (vec![4, 8, 16, 16], true));
+        assert_eq!((depths, kept), (vec![4, 8, 64, 64], true));
         assert_eq!(ladder_[3].variant.precision, Precision::Double);
         let (ladder_, kept) = ladder(&tried, double.clone(), Wish::MaxError(1e-7));
-        assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (16, 2, false));
+        assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (64, 2, false));
         let (ladder_, kept) = ladder(&tried, double.clone(), Wish::Time(Duration::from_secs(3)));
         assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (8, 1, true));
         // A run that took half as long again: what is in time in the median alone is not taken.

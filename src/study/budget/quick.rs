@@ -1,5 +1,7 @@
 //! Small pictures, quickly made and judged.
 
+use std::time::{Duration, Instant};
+
 use super::Candidate;
 use crate::Result;
 use crate::image::Film;
@@ -17,6 +19,13 @@ const PIXELS: [f64; 3] = [300.0, 600.0, 2400.0];
 
 /// Seconds that its reference in `f64` may take.
 const REFERENCE: f64 = 0.5;
+
+/// Pixels of the first picture that costs are estimated from, and the least of the small picture, where single pixels take
+/// long: with many panes of glass in a row, a pixel takes thousands of rays.
+const FEW: f64 = 8.0;
+
+/// Seconds that pixels are asked about their condition, in all; what is not answered then counts as well-conditioned.
+const ASKING: f64 = 5.0;
 
 /// Renders that a time is the median of.
 const RUNS: usize = 3;
@@ -44,6 +53,8 @@ pub(super) struct Judged<'q> {
     condition: Condition<'q>,
     tolerance: f64,
     base_seconds: Option<f64>,
+    /// Seconds that are left to ask pixels about their condition.
+    asking: f64,
     /// A pixel's time in the whole picture over that in the small one, where the work comes in shorter streams.
     economy: f64,
 }
@@ -64,10 +75,17 @@ impl<'a> Quick<'a> {
             [small.settings.width, small.settings.height] = fit(&scene.settings, pixels);
             small
         };
-        let probe = sized(PIXELS[0]);
-        let shot = Engine::new(&probe, threads).shoot(&exact, observer)?;
-        let cost = shot.seconds / pixels(&probe);
-        let small = sized((REFERENCE / cost.max(1e-12)).clamp(PIXELS[1], PIXELS[2]));
+        let mut cost = f64::INFINITY;
+        for probed in [FEW, PIXELS[0]] {
+            if probed > FEW && probed * cost > 4.0 * REFERENCE {
+                break;
+            }
+            let probe = sized(probed);
+            cost = Engine::new(&probe, threads).shoot(&exact, observer)?.seconds / pixels(&probe);
+        }
+        let wanted = (REFERENCE / cost.max(1e-12)).clamp(PIXELS[1], PIXELS[2]);
+        let slow = wanted * cost > 8.0 * REFERENCE;
+        let small = sized(if slow { (0.5 * REFERENCE / cost).max(FEW) } else { wanted });
         let shot = Engine::new(&small, threads).shoot(&exact, observer)?;
         let samples = f64::from(scene.settings.samples);
         let judge = Scene { settings: exact.settings(&small.settings), ..small.clone() };
@@ -92,6 +110,7 @@ impl<'a> Quick<'a> {
             quick: self,
             tolerance,
             base_seconds: None,
+            asking: ASKING,
             economy: 1.0,
         }
     }
@@ -160,7 +179,10 @@ impl Judged<'_> {
         let width = film.width as usize;
         let places: Vec<(u32, u32)> =
             beyond.iter().take(ASKED).map(|&(_, i)| ((i % width) as u32, (i / width) as u32)).collect();
-        let moves = self.condition.moves(&places, None)?;
+        let start = Instant::now();
+        let until = start + Duration::from_secs_f64(self.asking.max(0.0));
+        let moves = self.condition.moves(&places, Some(until))?;
+        self.asking -= start.elapsed().as_secs_f64();
         let ill: Vec<usize> =
             beyond.iter().zip(&moves).filter(|(_, moves)| **moves == Some(true)).map(|((_, i), _)| *i).collect();
         let well = pairs().enumerate().filter(|(i, _)| !ill.contains(i));
