@@ -398,7 +398,8 @@ fn models_are_refused_for_what_is_wrong_with_them() {
         fs::write(folder.path().join("a.obj"), text).unwrap();
         under(folder.path(), ":", "render a.obj -q -o out.png")
     };
-    refused(&obj("v 1e25 0 0\nv 0 1e25 0\nv 0 0 1e25\nf 1 2 3\n"), 2, &["a corner beyond 1.8e18", "(1)"]);
+    let far = "v 1e300 0 0\nv 0 1e300 0\nv 0 0 1e300\nf 1 2 3\n";
+    refused(&obj(far), 2, &["a corner beyond the largest coordinate", "(1)"]);
     refused(&obj("v nan 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"), 2, &["a corner that is not finite"]);
     refused(&obj("v 0 0 0\n"), 2, &["there is no face"]);
     let far = "radius = -1e300\nmaterial = \"m\"\n";

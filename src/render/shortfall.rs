@@ -185,8 +185,8 @@ impl Search<'_> {
         for step in 1..=STEPS {
             let Some(narrow) = &narrow else { break };
             let Some(seen) = self.render(self.settings([step; 2]), &sample)? else { break };
-            lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow.radiance, wide)).collect();
-            let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
+            lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow, wide)).collect();
+            let unknown: Vec<f64> = narrow.iter().zip(&seen).map(|(narrow, wide)| self.rest(narrow, wide)).collect();
             truth = Some(([step; 2], seen));
             if self.short(&unknown, count) == 0 {
                 break;
@@ -203,9 +203,9 @@ impl Search<'_> {
                 by_limit[limit as usize][0] += lacks;
             }
         }
-        let cure = match &truth {
-            Some((widest, seen)) => self.mend(*widest, seen, &sample, count)?,
-            None => None,
+        let cure = match (&truth, &narrow) {
+            (Some((widest, seen)), Some(narrow)) => self.mend(*widest, [narrow, seen], &sample, count)?,
+            _ => None,
         };
         let tried = match (cure, &truth) {
             (None, Some((widest, _))) => Some(self.priced(*widest)?),
@@ -225,10 +225,15 @@ impl Search<'_> {
     }
 
     /// The fewest steps that leave no more than the allowed pixels short of the truth, first in depth, then in the cut-off.
-    fn mend(&mut self, widest: Steps, truth: &[PixelMean], sample: &[usize], count: usize) -> Result<Option<Steps>> {
+    fn mend(
+        &mut self,
+        widest: Steps,
+        [narrow, truth]: [&[PixelMean]; 2],
+        sample: &[usize],
+        count: usize,
+    ) -> Result<Option<Steps>> {
         let mut best = widest;
-        let unknown = |wide: &PixelMean| self.light.at_most(wide.truncated, wide.radiance);
-        let unknown: Vec<f64> = truth.iter().map(unknown).collect();
+        let unknown: Vec<f64> = narrow.iter().zip(truth).map(|(narrow, wide)| self.rest(narrow, wide)).collect();
         if self.short(&unknown, count) > 0 {
             return Ok(None);
         }
@@ -237,8 +242,8 @@ impl Search<'_> {
                 let mut steps = best;
                 steps[axis] = step;
                 let Some(seen) = self.render(self.settings(steps), sample)? else { break };
-                let lacks: Vec<f64> =
-                    seen.iter().zip(truth).map(|(narrow, wide)| self.lacks(narrow.radiance, wide)).collect();
+                let gains = |(seen, wide): (&PixelMean, &PixelMean)| self.gained(seen, wide);
+                let lacks: Vec<f64> = seen.iter().zip(truth).map(gains).collect();
                 if self.short(&lacks, count) == 0 {
                     best = steps;
                     break;
@@ -249,9 +254,22 @@ impl Search<'_> {
     }
 
     /// The light that a pixel lacks beside itself under wider limits: what it gains, or what it may still lack where that is more.
-    fn lacks(&self, narrow: [f32; 3], wide: &PixelMean) -> f64 {
-        let gained = widened(wide.radiance) - widened(narrow);
-        self.light.seen(gained, widened(wide.radiance)).max(self.light.at_most(wide.truncated, wide.radiance))
+    fn lacks(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
+        self.gained(narrow, wide).max(self.rest(narrow, wide))
+    }
+
+    /// The light that a pixel gains under wider limits.
+    fn gained(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
+        let gained = widened(wide.radiance) - widened(narrow.radiance);
+        self.light.seen(gained, widened(wide.radiance))
+    }
+
+    /// The light that a pixel may still lack under wider limits: the bound by what still ends there, times the share of the
+    /// ended weight that these limits have freed. What they free nothing of is caught by total reflection, and never seen.
+    fn rest(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
+        let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum();
+        let freed = if weight(narrow) > 0.0 { 1.0 - weight(wide) / weight(narrow) } else { 0.0 };
+        freed.clamp(0.0, 1.0) * self.light.at_most(wide.truncated, wide.radiance)
     }
 
     /// Pixels of the picture that lack visible light, by what the first `count` of the sample lack; 0 where they are no more

@@ -76,7 +76,7 @@ fn ball_in_a_floor(point: Vec3, normal: Vec3) -> Scene {
 fn a_plane_a_hair_off_the_origin_is_not_in_its_own_shadow() {
     for normal in [Vec3::Y, Vec3::new(0.2, 1.0, -0.3).normalize()] {
         let at_origin = pictures(&ball_in_a_floor(Vec3::ZERO, normal));
-        assert!(at_origin[0].1.at(16, 30)[0] > 0.3, "the floor is lit");
+        assert!(at_origin[0].1.at(16, 30)[0] > 0.3, "the floor is lit: {:?}", at_origin[0].1.at(16, 30));
         for (name, count, most) in against_f64(&at_origin) {
             assert!(count <= 2, "{name} and f64, {normal}: {count} pixels, {most} at most");
         }
@@ -131,7 +131,7 @@ fn ball_from_afar(distance: f64, towards: DVec3, orthographic: bool) -> Scene {
     scene
 }
 
-/// Along an axis rays from any distance keep their digits, and so does what they see.
+/// SP-01: along an axis rays from any distance keep their digits, and so does what they see.
 #[test]
 fn a_sphere_seen_from_a_million_radii_away_is_as_right_as_one_close_by() {
     for towards in [DVec3::Z, -DVec3::X, DVec3::Y] {

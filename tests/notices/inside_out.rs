@@ -94,7 +94,7 @@ fn a_glass_whose_faces_point_inwards_is_named_with_the_cure_and_the_cure_works()
         );
     }
     for name in ["cured.toml", "right.toml"] {
-        assert_eq!(ids(&notices_of(&folder.path(name))), [""; 0], "{name}");
+        assert!(!ids(&notices_of(&folder.path(name))).contains(&"inside-out"), "{name}");
     }
     for backend in backends() {
         let (json, told) = rendered(&folder, "wrong.toml", &["--backend", backend]);

@@ -101,7 +101,10 @@ fn the_limits_that_are_named_mend_the_picture_at_the_cost_that_is_named() {
         let shortfall = before.shortfall.expect("light is missing");
         assert_eq!((shortfall.pixels, shortfall.of), (4, 4));
         let lacks = transmittance(panes) - f64::from(before.film.pixels[0][0]);
-        assert!(shortfall.lacks >= lacks - 1e-5 && shortfall.lacks < lacks + 1.0 / 255.0, "{shortfall:?}, not {lacks}");
+        assert!(
+            shortfall.lacks >= lacks - 1.0 / 255.0 && shortfall.lacks < lacks + 1.0 / 255.0,
+            "{shortfall:?}, not {lacks}"
+        );
         let cure = shortfall.cure.expect("there are limits that mend it");
         let settings = Settings { max_depth: cure.depth, cutoff: cure.cutoff, ..narrow.settings.clone() };
         let after = picture(&Scene { settings, ..narrow }, &options(), 1.0);
