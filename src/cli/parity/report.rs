@@ -87,6 +87,7 @@ struct Faults {
     t_out_of_bounds: u64,
     outside_interval: u64,
     leak: u64,
+    self_hit: u64,
 }
 
 /// One contender's picture.
@@ -331,6 +332,7 @@ impl Row {
                 t_out_of_bounds: fault(Fault::TOutOfBounds),
                 outside_interval: fault(Fault::OutsideInterval),
                 leak: fault(Fault::Leak),
+                self_hit: fault(Fault::SelfHit),
             },
             largest_margin: t.largest_margin,
             differs_from_native: record.differs,
@@ -391,7 +393,8 @@ mod tests {
             unreachable!("parity was asked for")
         };
         let (job, contenders) = (Parity::from(args), Contenders::build(&Scene::default(), BuildQuality::Default, 1));
-        let set = Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new() };
+        let set =
+            Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new(), leaves: Vec::new() };
         let count = contenders.names().len();
         let mut records = vec![Records::default(); count];
         records[0].closest.tally.add(finding);
