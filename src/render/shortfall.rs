@@ -253,9 +253,9 @@ impl Search<'_> {
         Ok(Some(best))
     }
 
-    /// The light that a pixel lacks beside itself under wider limits: what it gains, or what it may still lack where that is more.
+    /// The light that a pixel lacks: what it gains under wider limits, and what it may still lack there.
     fn lacks(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
-        self.gained(narrow, wide).max(self.rest(narrow, wide))
+        self.gained(narrow, wide) + self.rest(narrow, wide)
     }
 
     /// The light that a pixel gains under wider limits.
@@ -264,12 +264,16 @@ impl Search<'_> {
         self.light.seen(gained, widened(wide.radiance))
     }
 
-    /// The light that a pixel may still lack under wider limits: the bound by what still ends there, times the share of the
-    /// ended weight that these limits have freed. What they free nothing of is caught by total reflection, and never seen.
+    /// The light that a pixel may still lack under wider limits: that of the weight which still ends there, if it sees as much
+    /// light as the weight that these limits have freed; at most the bound. Weight of which they free nothing is caught by total
+    /// reflection for good, and sees none.
     fn rest(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum();
-        let freed = if weight(narrow) > 0.0 { 1.0 - weight(wide) / weight(narrow) } else { 0.0 };
-        freed.clamp(0.0, 1.0) * self.light.at_most(wide.truncated, wide.radiance)
+        let (ended, freed) = (weight(wide), weight(narrow) - weight(wide));
+        if freed <= 0.0 {
+            return 0.0;
+        }
+        (self.gained(narrow, wide) * ended / freed).min(self.light.at_most(wide.truncated, wide.radiance))
     }
 
     /// Pixels of the picture that lack visible light, by what the first `count` of the sample lack; 0 where they are no more

@@ -144,7 +144,7 @@ fn what_is_open_or_opaque_or_the_wall_of_a_hollow_is_not_accused() {
         ("beside.toml", &bottle.replace("size = 1\n", "size = 1\ncenter = [3, 0, 0]\n")),
     ]);
     for name in ["open.toml", "ajar.toml", "hollow.toml", "mirror.toml", "bottle.toml"] {
-        assert_eq!(ids(&notices_of(&folder.path(name))), [""; 0], "{name}");
+        assert!(!ids(&notices_of(&folder.path(name))).contains(&"inside-out"), "{name}");
     }
     let notices = notices_of(&folder.path("beside.toml"));
     assert_eq!(ids(&notices), ["inside-out"]);

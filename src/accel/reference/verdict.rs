@@ -50,6 +50,9 @@ pub enum Fault {
     /// A surface passed through at an edge or corner, though it goes on all around. (Or else a crack between its
     /// triangles narrower than `f32` sees, in a mesh that is not joined there.)
     Leak,
+    /// A ray meets the surface that it leaves, because its start lies on the wrong side. The arbiter is given the same
+    /// start and cannot see this fault, so that it comes from [`crate::trial::parity`], which made the ray.
+    SelfHit,
 }
 
 impl Contact {

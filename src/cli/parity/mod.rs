@@ -81,5 +81,5 @@ fn judged(reference: &Reference, contenders: &Contenders, set: &Set, observer: &
     let done = |rays| {
         observer.pixels_done.fetch_add(rays, Ordering::Relaxed);
     };
-    judge(reference, &set.rays, &answers, &observer.stop, done).ok_or(Error::Interrupted)
+    judge(reference, set, &answers, &observer.stop, done).ok_or(Error::Interrupted)
 }

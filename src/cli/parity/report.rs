@@ -93,6 +93,7 @@ struct Faults {
     t_out_of_bounds: u64,
     outside_interval: u64,
     leak: u64,
+    self_hit: u64,
 }
 
 /// One contender's picture.
@@ -339,6 +340,7 @@ impl Row {
                 t_out_of_bounds: fault(Fault::TOutOfBounds),
                 outside_interval: fault(Fault::OutsideInterval),
                 leak: fault(Fault::Leak),
+                self_hit: fault(Fault::SelfHit),
             },
             largest_margin: t.largest_margin,
             differs_from_native: record.differs,
@@ -410,7 +412,8 @@ mod tests {
         };
         let (job, contenders) =
             (Parity::from(args), Contenders::build(&Scene::default(), BuildQuality::Default, 1).unwrap());
-        let set = Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new() };
+        let set =
+            Set { name: "edge", coherence: crate::accel::Coherence::Coherent, rays: Vec::new(), leaves: Vec::new() };
         let count = contenders.names().len();
         let mut records = vec![Records::default(); count];
         records[0].closest.tally.add(finding);

@@ -59,7 +59,7 @@ fn spread(normal: DVec3, point: DVec3) -> f64 {
     normal.abs().dot(point.abs())
 }
 
-/// Planes at any height above the origin, down to the smallest number. The start is at most 10 roundings of the
+/// SI-09: planes at any height above the origin, down to the smallest number. The start is at most 10 roundings of the
 /// coordinates across the plane from it, and a squared rounding of the ray's length.
 #[test]
 fn a_ray_that_leaves_a_plane_of_any_height_and_tilt_does_not_meet_it_again() {
@@ -100,7 +100,7 @@ fn a_ray_that_leaves_a_plane_of_any_height_and_tilt_does_not_meet_it_again() {
     assert!(left > 400_000, "{left}");
 }
 
-/// Spheres from 1e-30 to 1e12, at the origin and away from it, from inside, from near and from a million radii away.
+/// SI-09: Spheres from 1e-30 to 1e12, at the origin and away from it, from inside, from near and from a million radii away.
 /// The start is at most 15 roundings of the radius and 6 of the coordinates across the surface from it.
 #[test]
 fn a_ray_that_leaves_a_sphere_of_any_radius_seen_from_anywhere_starts_on_its_side_with_the_right_normal() {

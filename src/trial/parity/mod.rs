@@ -5,6 +5,7 @@
 //! more than rounding are a class of their own, since Embree's modes differ there.
 
 mod aimed;
+mod leaving;
 mod sets;
 mod tally;
 
@@ -20,6 +21,9 @@ use crate::accel::reference::{Examined, Fault, Hit64, Reference, Verdict};
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Hit, Hit8, Ray, Ray8};
 use crate::simd::Mask8;
+
+/// Instance, geometry and primitive of a hit.
+pub type Id = (u32, u32, u32);
 
 /// Packets that one task takes on.
 const TASK: usize = 64;
@@ -126,22 +130,23 @@ impl Record {
     }
 }
 
-/// Judges what each contender answered to `rays`. `done` is told of every batch of rays that is through; none comes
+/// Judges what each contender answered to the rays of `set`. `done` is told of every batch of rays that is through; none comes
 /// back where `stop` was set meanwhile.
 pub fn judge(
     reference: &Reference,
-    rays: &[Ray],
+    set: &Set,
     answers: &[Answers],
     stop: &AtomicBool,
     done: impl Fn(u64) + Sync,
 ) -> Option<Vec<Records>> {
-    let batches = rays.par_chunks(8 * TASK).enumerate().map(|(batch, rays)| {
+    let batches = set.rays.par_chunks(8 * TASK).enumerate().map(|(batch, rays)| {
         let mut records = vec![Records::default(); answers.len()];
         for (k, ray) in (batch * 8 * TASK..).zip(rays) {
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            one(&reference.examine(ray), ray, answers, k, &mut records);
+            let leaves = set.leaves.get(k).copied().flatten();
+            one(&reference.examine(ray), ray, leaves, answers, k, &mut records);
         }
         done(rays.len() as u64);
         Some(records)
@@ -158,12 +163,13 @@ pub fn judge(
     Some(sum)
 }
 
-/// Ray `k`, as each contender answered it.
-fn one(case: &Examined, ray: &Ray, answers: &[Answers], k: usize, records: &mut [Records]) {
+/// Records each contender's answer to ray `k`, which must not meet `leaves` again.
+fn one(case: &Examined, ray: &Ray, leaves: Option<Id>, answers: &[Answers], k: usize, records: &mut [Records]) {
     let mut first: Option<(Finding, Finding)> = None;
     for (a, record) in answers.iter().zip(records) {
         let (claim, blocked) = (a.hits[k], a.blocked[k]);
-        let closest = finding(case, ray, &claim);
+        let again = claim.is_hit() && leaves == Some(claim.id());
+        let closest = if again { Finding::Wrong(Fault::SelfHit) } else { finding(case, ray, &claim) };
         let occluded = Finding::from(case.judge_occluded(blocked));
         let (first_closest, first_occluded) = *first.get_or_insert((closest, occluded));
         let wrong = |finding: Finding, claim| Wrong { ray: *ray, fault: finding.fault(), claim, truth: *case.truth() };

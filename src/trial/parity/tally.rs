@@ -6,13 +6,14 @@ use crate::accel::reference::{Cause, Fault, Verdict};
 pub const CAUSES: [Cause; 4] = [Cause::Edge, Cause::Tie, Cause::Interval, Cause::Sliver];
 
 /// Every fault, in the order of [`Tally::wrong`].
-pub const FAULTS: [Fault; 6] = [
+pub const FAULTS: [Fault; 7] = [
     Fault::MissedHit,
     Fault::FalseHit,
     Fault::OtherPrimitive,
     Fault::TOutOfBounds,
     Fault::OutsideInterval,
     Fault::Leak,
+    Fault::SelfHit,
 ];
 
 /// The name in reports.
@@ -36,6 +37,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
         Fault::TOutOfBounds => "t_out_of_bounds",
         Fault::OutsideInterval => "outside_interval",
         Fault::Leak => "leak",
+        Fault::SelfHit => "self_hit",
     }
 }
 
@@ -92,7 +94,7 @@ pub struct Tally {
     /// At or just outside an end of the interval.
     pub beyond_end: u64,
     /// Wrong, by fault: [`FAULTS`].
-    pub wrong: [u64; 6],
+    pub wrong: [u64; 7],
     /// Over the undecidable ones, the largest distance from flipping in parts of its bound; at most 1.
     pub largest_margin: f64,
 }
@@ -168,7 +170,7 @@ mod tests {
         let mut tally = Tally::default();
         findings.into_iter().for_each(|f| tally.add(f));
         assert_eq!((tally.answers, tally.agree, tally.all_undecidable(), tally.broken()), (5, 1, 2, 2));
-        assert_eq!((tally.undecidable, tally.wrong, tally.largest_margin), ([1, 1, 0, 0], [0, 0, 0, 0, 0, 1], 0.25));
+        assert_eq!((tally.undecidable, tally.wrong, tally.largest_margin), ([1, 1, 0, 0], [0, 0, 0, 0, 0, 1, 0], 0.25));
         let mut twice = tally;
         twice.merge(&tally);
         assert_eq!((twice.answers, twice.all_wrong(), twice.beyond_end), (10, 2, 2));
