@@ -8,6 +8,7 @@ mod ray;
 pub(crate) mod slab;
 mod spawn;
 pub(crate) mod sphere;
+pub(crate) mod topology;
 pub(crate) mod triangle;
 pub mod triangle_test;
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::report::Reporter;
 use super::source::Root;
-use super::topology::{Edges, weld};
 use super::{LoadOptions, Loaded, texture};
+use crate::geometry::topology::{Edges, weld};
 use crate::geometry::{Geometry, GeometryMask, Shape};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
 use crate::{Error, Result};

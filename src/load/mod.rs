@@ -16,7 +16,6 @@ mod smooth;
 mod source;
 mod suggest;
 mod texture;
-mod topology;
 mod transform;
 
 pub use report::{LoadReport, Warning};
