@@ -206,7 +206,7 @@ fn the_parameter_is_right(what: &str, geometry: &[Geometry], reference: &Referen
 
 fn report(name: &str, tally: &Tally) {
     say(&format!(
-        "{name}: {} of {} answers undecidable (edge, tie, interval, sliver: {:?}), margins up to {:.3} of their bounds",
+        "{name}: {} of {} answers undecidable (edge, tie, interval, sliver, crack: {:?}), margins up to {:.3} of their bounds",
         tally.all_undecidable(),
         tally.answers,
         tally.undecidable,
@@ -431,6 +431,31 @@ fn the_command_finds_the_same_by_a_hierarchy_of_any_quality() {
         let [fast, default, high] = reports.each_ref().map(|report| native(report, list));
         assert!(!default.is_empty() && fast == default && high == default, "{list}");
     }
+}
+
+#[test]
+fn one_ray_is_sent_through_every_path_and_repeated_exactly() {
+    let ray = "--ray=0.1,1.2,4,-0.033333335,-0.4,-1,0,inf";
+    let text = parity(&["scenes/hall.toml", ray]).code(0);
+    let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
+    assert!(
+        text.starts_with("ray            from (0.1, 1.2, 4) along (-0.033333335, -0.4, -1), t from 0 to inf\n"),
+        "{text}"
+    );
+    for way in ["single", "packet", "batch", "stream"] {
+        assert!(text.contains(&format!("\nnative {way:<7} triangle ")), "{text}");
+    }
+    assert!(text.contains(" (agrees); blocked (agrees)") && text.ends_with("native is nowhere wrong\n"), "{text}");
+    let json = parity(&["scenes/hall.toml", ray, "--json"]).code(0);
+    let report: serde_json::Value = serde_json::from_slice(&json.get_output().stdout).expect("JSON");
+    assert_eq!((&report["passed"], &report["native_wrong"]), (&true.into(), &0.into()));
+    assert_eq!(report["dir"].as_array().expect("dir").len(), 3);
+    assert_eq!(report["answers"][0]["hit"]["primitive"], report["truth"]["primitive"]);
+    let short = parity(&["scenes/hall.toml", "--ray=0.1,1.2,4,-0.033333335,-0.4,-1,0,1e-3", "--json"]).code(0);
+    let report: serde_json::Value = serde_json::from_slice(&short.get_output().stdout).expect("JSON");
+    assert!(report["truth"].is_null() && report["answers"][0]["blocked"] == false);
+    parity(&["scenes/hall.toml", "--ray=1,2,3"]).code(2);
+    parity(&["scenes/hall.toml", ray, "--rays", "5"]).code(2);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use vitrum::simd::Mask8;
 use vitrum::trial::verify::{self, Candidate, Finding, Group, NativePath, Plan, Way};
 
 fn quick(group: Group) {
-    let plan = Plan { groups: vec![group], full: false };
+    let plan = Plan { groups: vec![group], full: false, rays: None };
     let observer = Observer::default();
     let mut findings = verify::fire_at_optics(&plan, &observer).expect("nobody interrupts a test");
     findings.extend(verify::fire_at_path(&NativePath::default(), &plan, &observer).expect("the native path is there"));
@@ -163,7 +163,7 @@ impl Intersector for BrokenAccel {
 }
 
 fn of_broken(fault: Fault, group: Group) -> Finding {
-    let plan = Plan { groups: vec![group], full: false };
+    let plan = Plan { groups: vec![group], full: false, rays: None };
     verify::fire_at_path(&Broken(fault), &plan, &Observer::default()).expect("builds").remove(0)
 }
 
@@ -326,4 +326,73 @@ fn embree_in_its_fast_mode_leaks_where_the_native_path_does_not() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let of = |i: usize| (json["groups"][i]["path"].as_str().unwrap(), json["groups"][i]["holds"].as_bool().unwrap());
     assert_eq!((of(0), of(2)), (("native", true), ("embree fast", false)));
+}
+
+fn scene_of(mesh: vitrum::geometry::TriMesh) -> vitrum::scene::Scene {
+    use vitrum::scene::{Material, Medium, Object, Scene};
+    Scene {
+        geometry: vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }],
+        objects: vec![Object { name: "thing".into(), material: 0, origin: Default::default() }],
+        materials: vec![Material::default()],
+        media: vec![Medium::air()],
+        ..Scene::default()
+    }
+}
+
+fn at_scene(candidate: &impl Candidate, scene: &vitrum::scene::Scene, group: Group) -> Finding {
+    let plan = Plan { groups: vec![group], full: false, rays: None };
+    verify::fire_at_scene(candidate, scene, "a thing.obj", &plan, &Observer::default()).expect("builds").remove(0)
+}
+
+#[test]
+fn a_failing_ray_at_a_scene_is_told_line_by_line_with_the_command_that_repeats_it() {
+    let found = at_scene(&Broken(Fault::OpenEdges), &scene_of(shapes::grid(4)), Group::Leaks);
+    assert!(!found.holds() && found.tally.left_out == 0);
+    for example in &found.tally.examples {
+        let lines: Vec<&str> = example.lines().collect();
+        assert_eq!(lines.len(), 5, "{example}");
+        assert!(lines[0].starts_with("triangle ") && lines[0].ends_with(" of `thing`: leak"), "{example}");
+        assert!(lines[1].starts_with("  ray     from (") && lines[1].ends_with(", t from 0 to inf"), "{example}");
+        assert!(lines[2].starts_with("  f64     triangle ") && lines[2].contains(" of `thing` at t = "), "{example}");
+        assert_eq!(lines[3], "  only    nothing; blocked");
+        assert!(lines[4].starts_with("  repeat  vitrum parity 'a thing.obj' --ray="), "{example}");
+    }
+}
+
+#[test]
+fn work_at_triangles_that_lie_at_one_place_is_bounded_and_what_is_left_out_is_counted() {
+    use glam::Vec3;
+    let mut heap = shapes::grid(1);
+    heap.triangles = heap.triangles.repeat(10_000);
+    let nested = (1..20_000).flat_map(|k| [Vec3::X, Vec3::Y, -Vec3::ONE].map(|p| p * k as f32)).collect::<Vec<_>>();
+    let triangles = (0..nested.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let nested = vitrum::geometry::TriMesh { positions: nested, triangles, ..Default::default() };
+    (heap.normals, heap.normal_indices, heap.uvs, heap.uv_indices) = Default::default();
+    for mesh in [heap, nested] {
+        let scene = scene_of(mesh);
+        for group in Group::OF_SCENE {
+            let found = at_scene(&NativePath::default(), &scene, group);
+            assert!(found.holds() && found.tally.cases > 0, "{group:?}: {:#?}", found.tally);
+            assert!(found.tally.left_out > 10_000, "{group:?}: {}", found.tally.left_out);
+            if group == Group::Parity {
+                assert_eq!(at_scene(&NativePath::default(), &scene, group).tally, found.tally, "the same each time");
+            }
+        }
+    }
+}
+
+#[test]
+fn balls_of_any_size_are_as_quick_to_look_at_and_nothing_is_left_out() {
+    for size in [1e-18, 1e-12, 1e-6, 1.0, 1e12] {
+        let mut ball = shapes::sphere(24);
+        ball.positions.iter_mut().for_each(|p| *p *= size);
+        let mut scene = scene_of(ball);
+        scene.camera.eye = glam::Vec3::Z * 4.0 * size;
+        for group in Group::OF_SCENE {
+            let plan = Plan { groups: vec![group], full: false, rays: Some(6400) };
+            let found = verify::fire_at_scene(&NativePath::default(), &scene, "ball", &plan, &Observer::default());
+            let found = found.expect("builds").remove(0);
+            assert!(found.holds() && found.tally.left_out == 0, "{size:e}, {group:?}: {:#?}", found.tally);
+        }
+    }
 }

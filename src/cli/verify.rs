@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::options::Verify;
-use super::table::grouped;
+use super::table::{counted, grouped};
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
@@ -31,6 +31,8 @@ struct Report {
     groups: Vec<Row>,
     /// What is wrong with the scene's triangles.
     troubles: Vec<TroubleRow>,
+    /// Rays that look for overlapping media and were left out, because those before met too many shapes at once.
+    probes_left_out: u64,
     #[serde(flatten)]
     warnings: Warnings,
 }
@@ -45,6 +47,8 @@ struct Row {
     holds: bool,
     /// What the figure is.
     figure: Option<&'static str>,
+    /// Rays left out, because they and those before them meet too many shapes at once.
+    left_out: u64,
     worst: Option<f64>,
     bound: Option<f64>,
     seconds: f64,
@@ -77,10 +81,12 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
             Some(scene)
         }
     };
+    let name = job.scene.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
+    let named = scene.as_ref().map(|scene| (scene, name.as_str()));
     let paths = usize::from(job.native) + 2 * usize::from(job.embree);
     let (findings, troubles) = progress::follow(&observer, job.plan.parts(paths), !job.quiet, || {
         interrupt::heeded(|| -> Result<_> {
-            let findings = fire(job, scene.as_ref(), &observer)?;
+            let findings = fire(job, named, &observer)?;
             Ok((findings, scene.as_ref().map(verify::find_trouble).unwrap_or_default()))
         })
     })?;
@@ -94,7 +100,8 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         // Trouble with triangles is told, and no failure: a scene may well have them and be rendered right.
         holds: findings.iter().all(Finding::holds),
         groups: findings.iter().map(Row::of).collect(),
-        troubles: troubles.iter().map(TroubleRow::of).collect(),
+        troubles: troubles.found.iter().map(TroubleRow::of).collect(),
+        probes_left_out: troubles.probes_left_out,
         warnings,
     };
     if !job.quiet {
@@ -108,7 +115,7 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
     Ok(if report.holds { Verdict::Done } else { Verdict::Negative })
 }
 
-fn fire(job: &Verify, scene: Option<&Scene>, observer: &Observer) -> Result<Vec<Finding>> {
+fn fire(job: &Verify, scene: Option<(&Scene, &str)>, observer: &Observer) -> Result<Vec<Finding>> {
     let mut findings = if scene.is_none() { verify::fire_at_optics(&job.plan, observer)? } else { Vec::new() };
     if job.native {
         findings.extend(fire_at(&NativePath { bvh: job.bvh }, &job.plan, scene, observer)?);
@@ -129,11 +136,11 @@ fn fire(job: &Verify, scene: Option<&Scene>, observer: &Observer) -> Result<Vec<
 fn fire_at<C: Candidate>(
     candidate: &C,
     plan: &Plan,
-    scene: Option<&Scene>,
+    scene: Option<(&Scene, &str)>,
     observer: &Observer,
 ) -> Result<Vec<Finding>> {
     match scene {
-        Some(scene) => verify::fire_at_scene(candidate, scene, plan, observer),
+        Some((scene, name)) => verify::fire_at_scene(candidate, scene, name, plan, observer),
         None => verify::fire_at_path(candidate, plan, observer),
     }
 }
@@ -148,6 +155,7 @@ impl Row {
             failures: f.tally.failures,
             holds: f.holds(),
             figure: worst.map(|w| w.what),
+            left_out: f.tally.left_out,
             // JSON knows no NaN.
             worst: worst.map(|w| w.value).filter(|x| x.is_finite()),
             bound: worst.and_then(|w| w.bound),
@@ -193,7 +201,19 @@ impl Report {
         let mut lines: Vec<String> = rows.iter().map(|row| aligned(row, &widths)).collect();
         for row in self.groups.iter().filter(|r| !r.examples.is_empty()) {
             lines.push(format!("\n{}, {}:", row.group, row.path.unwrap_or("all paths")));
-            lines.extend(row.examples.iter().map(|e| format!("  {e}")));
+            lines.extend(row.examples.iter().map(|e| format!("  {}", e.replace('\n', "\n  "))));
+            if self.scene.is_none() {
+                let full = if self.full { " --full" } else { "" };
+                lines.push(format!("  repeat  vitrum verify --group {}{full}", row.group));
+            }
+        }
+        for row in self.groups.iter().filter(|r| r.left_out > 0) {
+            let (path, rays) = (row.path.unwrap_or("all paths"), counted(row.left_out, "ray"));
+            let more = if self.full { "" } else { "; --full does about thirty times as much work" };
+            lines.push(format!(
+                "\n{}, {path}: left out {rays}, since those before met too many shapes at once{more}",
+                row.group
+            ));
         }
         let mut kinds: BTreeMap<&str, Vec<&TroubleRow>> = BTreeMap::new();
         for t in &self.troubles {
@@ -205,6 +225,11 @@ impl Report {
             if troubles.len() > TOLD {
                 lines.push(format!("  and {} more; --json has all", grouped((troubles.len() - TOLD) as u64)));
             }
+        }
+        if self.probes_left_out > 0 {
+            let rays = counted(self.probes_left_out, "ray");
+            lines
+                .push(format!("\nmedia that overlap: left out {rays}, since those before met too many shapes at once"));
         }
         lines.push(format!(
             "\n{}: {}, {} threads",
@@ -235,7 +260,7 @@ mod tests {
     #[test]
     fn a_group_that_falls_short_is_told_with_its_figures() {
         let worst = Some(Worst { what: "relative error of R", value: 2e-6, bound: Some(1.2e-6) });
-        let tally = Tally { cases: 12_345, failures: 1, worst, examples: vec![String::from("1 to 1.5")] };
+        let tally = Tally { cases: 12_345, failures: 1, worst, examples: vec![String::from("1 to 1.5")], left_out: 0 };
         let finding = Finding { group: Group::Fresnel, path: None, tally, time: Duration::from_millis(250) };
         assert!(!finding.holds());
         let report = Report {
@@ -248,6 +273,7 @@ mod tests {
             holds: finding.holds(),
             groups: vec![Row::of(&finding)],
             troubles: Vec::new(),
+            probes_left_out: 0,
             warnings: Warnings::default(),
         };
         let text = report.text();

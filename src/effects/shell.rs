@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::topology::{Edges, weld};
 use crate::geometry::{Aabb, Plane, Shape, Sphere, TriMesh};
 
 /// Margin of every proof, as a share of the largest coordinate in the scene: a thousand times what rounding moves a
@@ -114,26 +115,17 @@ fn of_winding(turns: f64) -> Side {
     }
 }
 
-/// Whether each edge of a mesh is shared by two triangles that run along it in opposite ways, and none is without area.
+/// Returns true if each edge of a mesh is shared by two triangles that run along it in opposite ways, and no triangle is
+/// without area.
 pub(super) fn is_closed(mesh: &TriMesh) -> bool {
-    if mesh.triangles.is_empty() {
-        return false;
-    }
-    // Corners in the same place are one corner, whatever their numbers.
-    let place = |k: u32| mesh.positions[k as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut edges = std::collections::HashMap::new();
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(place);
-        let [pa, pb, pc] = triangle.map(|k| mesh.positions[k as usize].as_dvec3());
-        let area = (pb - pa).cross(pc - pa).length();
-        if !(area > 0.0 && area.is_finite()) {
-            return false;
-        }
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            *edges.entry((from, to)).or_insert(0) += 1;
-        }
-    }
-    edges.iter().all(|(&(from, to), &n)| n == 1 && edges.get(&(to, from)) == Some(&1))
+    let has_area = |i: usize| {
+        let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
+        let area = (b - a).cross(c - a).length();
+        area > 0.0 && area.is_finite()
+    };
+    !mesh.triangles.is_empty()
+        && (0..mesh.triangles.len()).all(has_area)
+        && Edges::new(&mesh.triangles, &weld(&mesh.positions)).manifold()
 }
 
 /// Whether every corner of a closed mesh lies behind every one of its triangles, or in their planes.

@@ -10,6 +10,7 @@ mod shaft;
 pub(crate) mod slab;
 mod spawn;
 pub(crate) mod sphere;
+pub(crate) mod topology;
 pub(crate) mod triangle;
 pub mod triangle_test;
 

@@ -19,7 +19,6 @@ mod smooth;
 mod source;
 mod suggest;
 mod texture;
-mod topology;
 mod transform;
 mod winding;
 

@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::topology::{self, Edges, weld};
 use crate::Result;
 use crate::geometry::TriMesh;
+use crate::geometry::topology::{self, Edges, Groups, weld};
 use crate::system::memory;
 
 /// Gives `mesh` normals that are smooth across edges that bend by less than `crease` degrees and break at the others.
@@ -68,30 +68,6 @@ pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) -> Result<()> {
         }));
     }
     Ok(())
-}
-
-/// Disjoint sets, halving paths as they are walked.
-struct Groups(Vec<u32>);
-
-impl Groups {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn find(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            let parent = self.0[i as usize];
-            self.0[i as usize] = self.0[parent as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    /// The lower root stays, so that the outcome does not depend on the order of joining.
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }
 
 #[cfg(test)]

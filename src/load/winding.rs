@@ -96,8 +96,8 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::topology::weld;
     use super::*;
+    use crate::geometry::topology::weld;
 
     /// A cube of edge `2 h` around `centre`, its faces outwards or inwards.
     fn cube(centre: Vec3, h: f32, outwards: bool) -> TriMesh {

@@ -3,9 +3,10 @@
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// Whether this build fuses multiply and add in [`Real::fma`]. Decided at compile time, because `wide` decides so:
-/// without it an `f32` `fma` rounds twice, on one lane and on eight alike, and the bounds that rest on it are weaker.
-pub const FUSED: bool = cfg!(target_feature = "fma");
+/// True if this build fuses multiply and add in [`Real::fma`]. Decided at compile time, because `wide` decides so: on
+/// x86-64 by the feature `fma`, on 64-bit ARM always (NEON has no other). Elsewhere an `f32` `fma` rounds twice, on one
+/// lane and on eight alike, and the bounds that rest on it are weaker.
+pub const FUSED: bool = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
 
 /// Where an `f32` has its exponent.
 pub(crate) const EXPONENT_BITS: u32 = 0x7f80_0000;

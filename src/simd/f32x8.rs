@@ -333,6 +333,23 @@ mod tests {
         assert_eq!(lanes.truncated(), [0, 0, 1, 0, -1, 15, 8_388_609, -7]);
     }
 
+    #[test]
+    fn lanes_and_scalars_fuse_products_exactly_where_the_build_says_so() {
+        let e = f32::EPSILON;
+        // (1 + e)(1 - e) - 1 is -e^2, of which two roundings leave nothing.
+        let (a, b) = (1.0 + e, 1.0 - e);
+        let want = if math::FUSED { -e * e } else { 0.0 };
+        assert_eq!(a.fma(b, -1.0), want, "one lane");
+        assert_eq!(F32x8::from(a).fma(F32x8::from(b), F32x8::from(-1.0)).to_array(), [want; 8], "eight lanes");
+    }
+
+    #[test]
+    fn a_fused_sum_that_all_but_cancels_gives_each_lane_the_bits_of_the_scalar() {
+        check("fma that cancels", |a, b| a.fma(b, -(a * b)), |a, b| a.fma(b, -(a * b)));
+        check("fma of three", |a, b| a.fma(b, a - b), |a, b| a.fma(b, a - b));
+        check("fma near cancelling", |a, b| a.fma(b, -(a * b) + a), |a, b| a.fma(b, -(a * b) + a));
+    }
+
     /// Case LN-06 of the catalogue.
     #[test]
     fn every_operation_gives_each_lane_the_bits_of_the_scalar() {

@@ -14,6 +14,7 @@ pub mod random;
 pub mod rays;
 pub mod report;
 pub mod run;
+pub mod shown;
 pub mod team;
 pub mod text;
 pub mod timing;

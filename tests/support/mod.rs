@@ -4,6 +4,8 @@
 
 pub mod aim;
 pub mod contract;
+pub mod cracks;
+pub mod exact;
 pub mod kernels;
 pub mod random;
 pub mod scenes;

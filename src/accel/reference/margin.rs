@@ -18,6 +18,9 @@ const ROUNDINGS: f64 = 16.0;
 /// What `f32` may move by, relative to `reach`.
 pub(super) const SLIP: f64 = ROUNDINGS * UNIT_ROUNDOFF as f64;
 
+/// What it may move by besides, in scene units, where products underflow: 16 roundings of 2^-150, the spacing there.
+pub(super) const TINY: f64 = ROUNDINGS * 7.006_492_321_624_085e-46;
+
 /// A decision's distance from flipping, against the error that `f32` may make in it; same unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
@@ -66,30 +69,35 @@ pub struct Contact {
     pub tolerance: f64,
     /// What it may be off in `t` at worst; above `tolerance` on slivers, where rounded edges make bad weights.
     pub bound: f64,
+    /// Place in the list of primitives.
+    pub(super) place: usize,
+    /// The least and the largest `t` that a kernel may report whose `t` is a mean of those of a triangle's corners.
+    pub(super) span: [f64; 2],
 }
 
 impl Contact {
-    /// The contacts of `primitive` with the ray of `probe`: two with a sphere, one with a triangle, at most one
-    /// with a plane.
-    pub(super) fn with(primitive: &Primitive, probe: &Probe) -> ArrayVec<Self, 2> {
-        match &primitive.form {
+    /// The contacts of `primitive`, at `place` in the list, with the ray of `probe`: two with a sphere, one with a
+    /// triangle, at most one with a plane.
+    pub(super) fn with(primitive: &Primitive, place: usize, probe: &Probe) -> ArrayVec<Self, 2> {
+        let contacts: ArrayVec<Self, 2> = match &primitive.form {
             Form::Triangle(corners) => std::iter::once(triangle(primitive.id(), probe, corners)).collect(),
             Form::Sphere { centre, radius } => sphere(primitive.id(), probe, *centre, *radius),
             Form::Plane { point, normal } => plane(primitive.id(), probe, *point, *normal).into_iter().collect(),
-        }
+        };
+        contacts.into_iter().map(|c| Self { place, ..c }).collect()
     }
 }
 
 /// 16 ulp of `reach`, over |cos| of incidence and the direction's length.
 fn tolerance(reach: f64, cos: f64, dir: DVec3) -> f64 {
-    16.0 * f64::from(ulp(reach as f32)) / (cos.abs() * dir.length())
+    16.0 * f64::from(ulp(reach as f32)) / (cos.abs() * dir.length()) + TINY
 }
 
 fn triangle(id: (u32, u32, u32), probe: &Probe, corners: &[DVec3; 3]) -> Contact {
     let ray = &probe.ray;
     let seen = probe.triangle(corners);
     let reach = corners.iter().fold(0.0_f64, |m, p| m.max((*p - ray.origin).abs().max_element()));
-    let slip = SLIP * reach;
+    let slip = SLIP * reach + TINY;
     let margins: [Margin; 3] = std::array::from_fn(|i| {
         let (p, q) = (seen.flat[(i + 1) % 3], seen.flat[(i + 2) % 3]);
         let length = (p - q).length();
@@ -113,22 +121,29 @@ fn triangle(id: (u32, u32, u32), probe: &Probe, corners: &[DVec3; 3]) -> Contact
         Margin::least(best(1.0), best(-1.0))
     };
 
+    let slip_t = slip / ray.dir.abs().max_element() + TINY;
+    let (first, last) = seen.depth.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(f, l), &t| (f.min(t), l.max(t)));
     let Some((t, ..)) = seen.meeting() else {
         // Edge-on: where the corners do not tell the line to be elsewhere, `f32` may find anything.
         let t = seen.depth.iter().sum::<f64>() / 3.0;
-        return Contact { id, inside: false, edge, t, tolerance: f64::INFINITY, bound: f64::INFINITY };
+        let span = [first - slip_t, last + slip_t];
+        return Contact { id, inside: false, edge, t, tolerance: f64::INFINITY, bound: f64::INFINITY, place: 0, span };
     };
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
     let tolerance = tolerance(reach, normal.dot(ray.dir) / ray.dir.length(), ray.dir);
     let lengths = [1, 2, 0].map(|i| (seen.flat[i] - seen.flat[(i + 1) % 3]).length());
     let errors = [0, 1, 2].map(|i| if lengths[i] > 0.0 { margins[i].bound * lengths[i] } else { 0.0 });
-    let weights_off = if errors.iter().sum::<f64>() < seen.whole().abs() {
-        (0..3).map(|i| errors[i] * (seen.depth[i] - t).abs()).sum::<f64>() / seen.whole().abs()
+    // The weights' sum is off by as much as they are.
+    let whole_left = seen.whole().abs() - errors.iter().sum::<f64>();
+    let weights_off = if whole_left > 0.0 {
+        (0..3).map(|i| errors[i] * (seen.depth[i] - t).abs()).sum::<f64>() / whole_left
     } else {
         f64::INFINITY
     };
-    let bound = tolerance.max(weights_off + slip / ray.dir.abs().max_element());
-    Contact { id, inside, edge, t, tolerance, bound }
+    let bound = tolerance.max(weights_off + slip_t);
+    let within = t.clamp(first, last);
+    let span = [(within - bound).max(first) - slip_t, (within + bound).min(last) + slip_t];
+    Contact { id, inside, edge, t, tolerance, bound, place: 0, span }
 }
 
 fn sphere(id: (u32, u32, u32), probe: &Probe, centre: DVec3, radius: f64) -> ArrayVec<Contact, 2> {
@@ -138,18 +153,15 @@ fn sphere(id: (u32, u32, u32), probe: &Probe, centre: DVec3, radius: f64) -> Arr
     let middle = -from_centre.dot(ray.dir) / (length * length);
     let nearest = moment(ray, from_centre) / length;
     let reach = from_centre.abs().max_element() + radius;
-    let edge = Margin { distance: (radius - nearest).abs(), bound: SLIP * reach };
+    let edge = Margin { distance: (radius - nearest).abs(), bound: SLIP * reach + TINY };
     let half_chord = ((radius - nearest) * (radius + nearest)).max(0.0).sqrt();
     let tolerance = tolerance(reach, half_chord / radius, ray.dir);
     [-1.0, 1.0]
         .into_iter()
-        .map(|side| Contact {
-            id,
-            inside: nearest <= radius,
-            edge,
-            t: middle + side * half_chord / length,
-            tolerance,
-            bound: tolerance,
+        .map(|side| {
+            let t = middle + side * half_chord / length;
+            let span = [t - tolerance, t + tolerance];
+            Contact { id, inside: nearest <= radius, edge, t, tolerance, bound: tolerance, place: 0, span }
         })
         .collect()
 }
@@ -164,5 +176,6 @@ fn plane(id: (u32, u32, u32), probe: &Probe, point: DVec3, normal: DVec3) -> Opt
     let reach = (point - ray.origin).abs().max_element().max(t.abs() * ray.dir.length());
     let edge = Margin { distance: cos.abs(), bound: SLIP };
     let tolerance = tolerance(reach, cos, ray.dir);
-    Some(Contact { id, inside: true, edge, t, tolerance, bound: tolerance })
+    let span = [t - tolerance, t + tolerance];
+    Some(Contact { id, inside: true, edge, t, tolerance, bound: tolerance, place: 0, span })
 }

@@ -3,10 +3,12 @@
 //! It takes the same `f32` shapes as every other path; widening them is exact, so that what it finds is off by roundings
 //! of 2^-53 where they are off by roundings of 2^-24. [`Reference::judge`] turns that gap into verdicts on their answers.
 
+mod budget;
 mod margin;
 mod packets;
 mod primitive;
 mod ray;
+mod seams;
 mod tree;
 mod verdict;
 
@@ -16,6 +18,7 @@ mod tests;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+pub use budget::Budget;
 pub use margin::{Contact, Margin};
 pub use ray::{Hit64, Ray64};
 pub use verdict::{Cause, Examined, Fault, Verdict};
@@ -75,8 +78,13 @@ impl Reference {
     /// The nearest hit, or a miss.
     #[must_use]
     pub fn closest(&self, ray: &Ray64) -> Hit64 {
+        self.closest_within(ray, &mut Budget::unlimited())
+    }
+
+    /// The nearest hit among what `budget` lasts for.
+    fn closest_within(&self, ray: &Ray64, budget: &mut Budget) -> Hit64 {
         let mut best = Hit64::MISS;
-        self.visit(ray, |hit| {
+        self.visit(ray, budget, |hit| {
             if hit.is_before(&best) {
                 best = hit;
             }
@@ -89,7 +97,7 @@ impl Reference {
     #[must_use]
     pub fn occluded(&self, ray: &Ray64) -> bool {
         let mut met = false;
-        self.visit(ray, |_| {
+        self.visit(ray, &mut Budget::unlimited(), |_| {
             met = true;
             ControlFlow::Break(())
         });
@@ -99,8 +107,14 @@ impl Reference {
     /// Every hit, nearest first, ties by id. A ray through a shared edge meets both triangles.
     #[must_use]
     pub fn all_hits(&self, ray: &Ray64) -> Vec<Hit64> {
+        self.hits_within(ray, &mut Budget::unlimited())
+    }
+
+    /// The same hits while `budget` lasts; where it is spent afterwards, some may be missing.
+    #[must_use]
+    pub fn hits_within(&self, ray: &Ray64, budget: &mut Budget) -> Vec<Hit64> {
         let mut hits = Vec::new();
-        self.visit(ray, |hit| {
+        self.visit(ray, budget, |hit| {
             hits.push(hit);
             ControlFlow::Continue(ray.t_max)
         });
@@ -115,16 +129,17 @@ impl Reference {
     }
 
     /// Shows `see` the hits of `ray`, in no order. It gives back the parameter beyond which it wants no more.
-    fn visit(&self, ray: &Ray64, mut see: impl FnMut(Hit64) -> ControlFlow<(), f64>) {
+    fn visit(&self, ray: &Ray64, budget: &mut Budget, mut see: impl FnMut(Hit64) -> ControlFlow<(), f64>) {
         if !ray.is_usable() {
             return;
         }
         let probe = Probe::new(ray);
         let mut far = ray.t_max;
-        self.tree.walk(ray, EXACT, |place| {
+        self.tree.walk(ray, EXACT, budget, |place, budget| {
             let primitive = &self.primitives[place];
             if primitive.mask.meets(ray.admits) {
                 for hit in primitive.meetings(&probe).into_iter().filter(|hit| ray.sees(hit.t)) {
+                    budget.spend(Budget::CONTACT);
                     far = see(hit)?;
                 }
             }

@@ -189,7 +189,7 @@ impl SeenTriangle {
 /// `p.x q.y - p.y q.x` with the right sign, always: rounding is monotonic, so the rounded products order as the exact
 /// ones do, and where they are equal what they miss decides. Swapping the corners only flips the sign. Two triangles
 /// that share an edge therefore agree on which side of it the ray passes, and no ray slips between them.
-fn edge(p: DVec2, q: DVec2) -> f64 {
+pub(super) fn edge(p: DVec2, q: DVec2) -> f64 {
     let (first, second) = (p.x * q.y, p.y * q.x);
     let first_missed = p.x.mul_add(q.y, -first);
     let second_missed = p.y.mul_add(q.x, -second);

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::Ray64;
 use super::primitive::{Form, Primitive};
+use super::{Budget, Ray64};
 
 /// Primitives in a leaf, at most.
 const LEAF: usize = 4;
@@ -132,17 +132,27 @@ impl Tree {
     }
 
     /// Shows `visit` the place of every primitive whose box, grown by `slack`, the ray enters, nearer boxes first.
-    /// `visit` gives back the parameter beyond which nothing interests it any more, or breaks off.
-    pub fn walk(&self, ray: &Ray64, slack: f64, mut visit: impl FnMut(usize) -> ControlFlow<(), f64>) {
+    /// `visit` gives back the parameter beyond which nothing interests it any more, or breaks off. So does the walk where
+    /// `budget` is spent.
+    pub fn walk(
+        &self,
+        ray: &Ray64,
+        slack: f64,
+        budget: &mut Budget,
+        mut visit: impl FnMut(usize, &mut Budget) -> ControlFlow<(), f64>,
+    ) {
         let mut far = ray.t_max;
-        let mut show = |i: usize, far: &mut f64| match visit(i) {
-            ControlFlow::Continue(limit) => {
-                *far = limit;
-                true
+        let mut show = |i: usize, far: &mut f64, budget: &mut Budget| {
+            budget.spend(Budget::TEST);
+            match visit(i, budget) {
+                ControlFlow::Continue(limit) => {
+                    *far = limit;
+                    !budget.is_spent()
+                }
+                ControlFlow::Break(()) => false,
             }
-            ControlFlow::Break(()) => false,
         };
-        if !self.unbounded.iter().all(|&i| show(i, &mut far)) {
+        if !self.unbounded.iter().all(|&i| show(i, &mut far, budget)) {
             return;
         }
         let enter = |node: usize, far: f64| self.nodes[node].bounds.entry(ray, slack, far).map(|t| (t, node));
@@ -154,9 +164,10 @@ impl Tree {
             if t > far {
                 continue;
             }
+            budget.spend(Budget::BOX);
             match self.nodes[node].content {
                 Content::Leaf { first, count } => {
-                    if !self.order[first..first + count].iter().all(|&i| show(i, &mut far)) {
+                    if !self.order[first..first + count].iter().all(|&i| show(i, &mut far, budget)) {
                         return;
                     }
                 }

@@ -1,13 +1,13 @@
 //! Judging another path's answers, ray by ray.
 
+use std::cell::OnceCell;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
-
-use arrayvec::ArrayVec;
-use glam::DVec3;
 
 use super::margin::SLIP;
 use super::primitive::Probe;
-use super::{Contact, Hit64, Margin, Ray64, Reference};
+use super::seams::Seams;
+use super::{Budget, Contact, Hit64, Margin, Ray64, Reference};
 use crate::geometry::{Hit, Ray};
 
 /// What is to be thought of an answer.
@@ -24,7 +24,7 @@ pub enum Verdict {
 /// Why an answer cannot be judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
-    /// The ray passes an edge or a silhouette too closely; in scene units.
+    /// The ray passes a silhouette too closely: a fold of joined triangles, or the outline of a sphere; in scene units.
     Edge,
     /// Two hits are too close along the ray; in units of `t`.
     Tie,
@@ -32,6 +32,9 @@ pub enum Cause {
     Interval,
     /// `t` misses its tolerance, on a triangle so thin that rounding makes bad weights of its corners; in units of `t`.
     Sliver,
+    /// The ray passes an edge too closely that is open, or where triangles meet without being joined: a rim, a slit, a
+    /// seam of corners that differ, a corner in the middle of an edge; in scene units.
+    Crack,
 }
 
 /// What is wrong with an answer.
@@ -47,8 +50,7 @@ pub enum Fault {
     TOutOfBounds,
     /// `t` outside the ray's own interval.
     OutsideInterval,
-    /// A surface passed through at an edge or corner, though it goes on all around. (Or else a crack between its
-    /// triangles narrower than `f32` sees, in a mesh that is not joined there.)
+    /// A surface passed through at an edge or corner, though its triangles are joined and surround the ray.
     Leak,
     /// A ray meets the surface that it leaves, because its start lies on the wrong side. The arbiter is given the same
     /// start and cannot see this fault, so that it comes from [`crate::trial::parity`], which made the ray.
@@ -56,9 +58,16 @@ pub enum Fault {
 }
 
 impl Contact {
-    /// Distance of `t` from the nearer end of the ray's interval, against its bound.
+    /// Distance of `t` from the nearer end of the ray's interval, against its bound; 0 where `f32` has no such `t`.
     fn interval(&self, ray: &Ray64) -> Margin {
-        Margin { distance: (self.t - ray.t_min).abs().min((ray.t_max - self.t).abs()), bound: self.bound }
+        let distance = (self.t - ray.t_min).abs().min((ray.t_max - self.t).abs());
+        Margin { distance: if self.t.abs() < LARGEST_T { distance } else { 0.0 }, bound: self.bound }
+    }
+
+    /// Returns true if `f32` can only find it, if at all, within the ray's interval and before `end`.
+    fn is_sure_to_lie_before(&self, end: f64, ray: &Ray64) -> bool {
+        let [first, last] = self.span;
+        ray.t_min < first && last <= ray.t_max && last < end.min(LARGEST_T)
     }
 
     /// Whether `f32` has to find it.
@@ -68,25 +77,23 @@ impl Contact {
 
     /// Whether `f32` may find it.
     fn is_possible(&self, ray: &Ray64) -> bool {
-        let beside = !self.inside && self.edge.is_decided();
         let beyond = !ray.sees(self.t) && self.interval(ray).is_decided();
-        !beside && !beyond
+        !self.is_beside() && !beyond
+    }
+
+    /// Whether the line surely passes it by.
+    fn is_beside(&self) -> bool {
+        !self.inside && self.edge.is_decided()
     }
 
     /// Whether it lies nearer than `o` beyond doubt.
     fn is_surely_before(&self, o: &Self) -> bool {
         self.t + self.bound < o.t - o.bound
     }
-
-    /// Why `f32` need not find it, or may.
-    fn doubt(&self, ray: &Ray64) -> Verdict {
-        if self.edge.is_decided() {
-            Verdict::Undecidable(Cause::Interval, self.interval(ray))
-        } else {
-            Verdict::Undecidable(Cause::Edge, self.edge)
-        }
-    }
 }
+
+/// `t` from which on `f32` may have none, with room for roundings.
+const LARGEST_T: f64 = f32::MAX as f64 * (1.0 - 1e-6);
 
 /// What there is to know of one ray: found once, and held against any number of answers.
 #[derive(Clone, Debug)]
@@ -95,7 +102,11 @@ pub struct Examined<'a> {
     ray: Ray,
     wide: Ray64,
     contacts: Vec<Contact>,
+    /// What lies on the ray's line, but beyond its interval.
+    beyond: Vec<Contact>,
     truth: Hit64,
+    /// Found only where an answer differs.
+    seams: OnceCell<Seams>,
 }
 
 impl Examined<'_> {
@@ -114,7 +125,7 @@ impl Examined<'_> {
     /// Judges the nearest hit that another path claims. Only primitives that were kept can be claimed.
     #[must_use]
     pub fn judge(&self, claim: &Hit) -> Verdict {
-        let Self { reference, ray, wide, contacts, truth } = self;
+        let Self { ray, wide, contacts, truth, .. } = self;
         if !claim.is_hit() {
             return self.judge_nothing();
         }
@@ -130,11 +141,10 @@ impl Examined<'_> {
         if off(found) > found.bound {
             return Verdict::Wrong(Fault::TOutOfBounds);
         }
-        let mut nearer = contacts.iter().filter(|c| c.inside && c.is_surely_before(found));
-        if nearer.clone().any(|c| c.is_certain(wide)) {
+        if contacts.iter().any(|c| c.is_surely_before(found) && c.is_certain(wide)) {
             return Verdict::Wrong(Fault::OtherPrimitive);
         }
-        if nearer.any(|c| c.interval(wide).is_decided() && reference.goes_on_around(wide, c, 0.5 * (c.t + found.t))) {
+        if self.is_surrounded(found.t - found.bound) {
             return Verdict::Wrong(Fault::Leak);
         }
         if truth.id() == claim.id() && truth.is_hit() && (truth.t - found.t).abs() <= found.bound {
@@ -145,10 +155,10 @@ impl Examined<'_> {
             };
         }
         if !found.is_certain(wide) {
-            return found.doubt(wide);
+            return self.doubt(found);
         }
         match contacts.iter().filter(|c| c.id == truth.id()).min_by(|a, b| a.t.total_cmp(&b.t)) {
-            Some(c) if !c.is_certain(wide) => c.doubt(wide),
+            Some(c) if !c.is_certain(wide) => self.doubt(c),
             Some(c) => Verdict::Undecidable(
                 Cause::Tie,
                 Margin { distance: (c.t - found.t).abs(), bound: c.bound + found.bound },
@@ -167,25 +177,50 @@ impl Examined<'_> {
         if self.truth.is_hit() {
             return Verdict::Agrees;
         }
-        self.contacts.first().map_or(Verdict::Wrong(Fault::FalseHit), |c| c.doubt(&self.wide))
+        self.contacts.first().map_or(Verdict::Wrong(Fault::FalseHit), |c| self.doubt(c))
     }
 
     fn judge_nothing(&self) -> Verdict {
-        let Self { reference, wide, contacts, truth, .. } = self;
+        let Self { wide, contacts, truth, .. } = self;
         if contacts.iter().any(|c| c.is_certain(wide)) {
             return Verdict::Wrong(Fault::MissedHit);
         }
         if !truth.is_hit() {
             return Verdict::Agrees;
         }
-        let solid = |c: &&Contact| c.inside && wide.sees(c.t) && c.interval(wide).is_decided();
-        if contacts.iter().filter(solid).any(|c| reference.goes_on_around(wide, c, f64::INFINITY)) {
+        if self.is_surrounded(f64::INFINITY) {
             return Verdict::Wrong(Fault::Leak);
         }
         match contacts.iter().find(|c| c.id == truth.id()) {
-            Some(c) => c.doubt(wide),
+            Some(c) => self.doubt(c),
             None => Verdict::Wrong(Fault::MissedHit),
         }
+    }
+
+    /// Returns true if joined triangles surround the ray that can only be met within its interval and before `end`.
+    fn is_surrounded(&self, end: f64) -> bool {
+        let open = |c: &&Contact| !c.edge.is_decided() && c.is_sure_to_lie_before(end, &self.wide);
+        // Triangles that surround the ray have it in one of them.
+        self.contacts.iter().filter(open).any(|c| c.inside)
+            && self.seams().surround(&self.contacts.iter().filter(open).map(|c| c.place).collect::<BTreeSet<_>>())
+    }
+
+    /// Why `f32` need not find `c`, or may.
+    fn doubt(&self, c: &Contact) -> Verdict {
+        if c.edge.is_decided() {
+            Verdict::Undecidable(Cause::Interval, c.interval(&self.wide))
+        } else if self.seams().are_open_at(c.place) {
+            Verdict::Undecidable(Cause::Crack, c.edge)
+        } else {
+            Verdict::Undecidable(Cause::Edge, c.edge)
+        }
+    }
+
+    fn seams(&self) -> &Seams {
+        self.seams.get_or_init(|| {
+            let all = self.contacts.iter().chain(&self.beyond);
+            Seams::of(&self.reference.primitives, &Probe::new(&self.wide), all)
+        })
     }
 }
 
@@ -193,8 +228,21 @@ impl Reference {
     /// Finds out all that [`Reference::judge`] and [`Reference::judge_occluded`] need to know of `ray`.
     #[must_use]
     pub fn examine(&self, ray: &Ray) -> Examined<'_> {
+        self.look(ray, &mut Budget::unlimited())
+    }
+
+    /// The same as [`Reference::examine`]; `None` where `budget` did not last for it.
+    #[must_use]
+    pub fn examine_within(&self, ray: &Ray, budget: &mut Budget) -> Option<Examined<'_>> {
+        let examined = self.look(ray, budget);
+        (!budget.is_spent()).then_some(examined)
+    }
+
+    fn look(&self, ray: &Ray, budget: &mut Budget) -> Examined<'_> {
         let wide = Ray64::from(ray);
-        Examined { reference: self, ray: *ray, wide, contacts: self.contacts(&wide), truth: self.closest(&wide) }
+        let (contacts, beyond) = self.line_contacts(&wide, budget).into_iter().partition(|c| c.is_possible(&wide));
+        let truth = self.closest_within(&wide, budget);
+        Examined { reference: self, ray: *ray, wide, contacts, beyond, truth, seams: OnceCell::new() }
     }
 
     /// Judges the nearest hit that another path claims for `ray`. Only primitives that were kept can be claimed.
@@ -209,9 +257,16 @@ impl Reference {
         self.examine(ray).judge_occluded(claim)
     }
 
-    /// Everything that `f32` may find along `ray`.
+    /// Everything that `f32` may find along `ray`, nearest first.
     #[must_use]
     pub fn contacts(&self, ray: &Ray64) -> Vec<Contact> {
+        let mut found = self.line_contacts(ray, &mut Budget::unlimited());
+        found.retain(|c| c.is_possible(ray));
+        found
+    }
+
+    /// Everything that `f32` may find along the whole line of `ray`, nearest first, while `budget` lasts.
+    fn line_contacts(&self, ray: &Ray64, budget: &mut Budget) -> Vec<Contact> {
         let mut found = Vec::new();
         if !ray.is_usable() {
             return found;
@@ -220,31 +275,16 @@ impl Reference {
         // Boxes are entered over the whole line: a hit just outside the interval may round into it.
         let line = Ray64 { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
         let slack = 4.0 * SLIP / f64::EPSILON;
-        self.tree.walk(&line, slack, |place| {
+        self.tree.walk(&line, slack, budget, |place, budget| {
             let primitive = &self.primitives[place];
             if primitive.mask.meets(ray.admits) {
-                found.extend(Contact::with(primitive, &probe).into_iter().filter(|c| c.is_possible(ray)));
+                let before = found.len();
+                found.extend(Contact::with(primitive, place, &probe).into_iter().filter(|c| !c.is_beside()));
+                budget.spend(Budget::CONTACT * (found.len() - before) as u64);
             }
             ControlFlow::Continue(f64::INFINITY)
         });
         found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         found
-    }
-
-    /// Whether eight rays, moved aside by more than `f32` can tell from `c`'s edge, all meet something up to `until`.
-    fn goes_on_around(&self, ray: &Ray64, c: &Contact, until: f64) -> bool {
-        let (x, y) = ray.dir.normalize().any_orthonormal_pair();
-        let aside = 4.0 * c.edge.bound;
-        let ring: ArrayVec<DVec3, 8> = (0..8)
-            .map(|i| {
-                let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
-                (x * cos + y * sin) * aside
-            })
-            .collect();
-        aside.is_finite()
-            && ring.iter().all(|&o| {
-                let moved = Ray64 { origin: ray.origin + o, t_max: until.min(ray.t_max), ..*ray };
-                self.occluded(&moved)
-            })
     }
 }

@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use super::BvhArg;
+use super::numbers;
+use crate::geometry::Ray;
 
 /// Trace the same rays by every path and judge what differs.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum parity scenes/glass.toml
   vitrum parity bunny.obj --rays 100000 --json
+  vitrum parity bunny.obj --ray=0,1,5,0,0,-1
 
 Rays as pictures need them, and rays aimed at edges, at corners and at the ends
 of their own intervals go through the native path and, where they are there,
@@ -18,6 +21,9 @@ Embree's robust and fast modes. What differs from the f64 reference is either
 undecidable in f32 (by a margin below the bound on its error) or wrong. Then
 each makes a small picture, compared with the one that the same shading makes
 of the reference's hits; edges and what magnifies roundings are told apart.
+A crack is an open edge, or triangles that meet without sharing corners: a ray
+may pass there. With --ray one ray goes through every path, and no picture is
+made; reports print the option for each ray that is wrong.
 Exits 1 when the native path is wrong anywhere.")]
 pub(in crate::cli) struct ParityArgs {
     /// Scene (.toml) or model (.obj)
@@ -26,6 +32,11 @@ pub(in crate::cli) struct ParityArgs {
     /// Rays of each kind
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=16_777_216), default_value_t = 100_000)]
     pub rays: u32,
+
+    /// Send this ray alone: start, direction, and the interval of t [default: 0,inf]
+    #[arg(long, value_name = "X,Y,Z,DX,DY,DZ[,TMIN,TMAX]", value_parser = numbers::ray, allow_hyphen_values = true,
+          conflicts_with_all = ["rays", "width", "height"])]
+    pub ray: Option<Ray>,
 
     /// Columns of the picture [default: the scene's, at most 320]
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]

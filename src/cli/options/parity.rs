@@ -6,6 +6,7 @@ use super::SmallPicture;
 use super::choices::quality;
 use crate::accel::BuildQuality;
 use crate::cli::args::ParityArgs;
+use crate::geometry::Ray;
 
 /// Paths to be compared ray by ray.
 #[derive(Debug)]
@@ -13,6 +14,8 @@ pub(in crate::cli) struct Parity {
     pub scene: PathBuf,
     /// Rays of each kind.
     pub rays: usize,
+    /// The only ray, where one is asked for.
+    pub ray: Option<Ray>,
     pub picture: SmallPicture,
     pub bvh: BuildQuality,
     /// 0 is one a processor.
@@ -26,6 +29,7 @@ impl From<ParityArgs> for Parity {
         Self {
             scene: args.scene,
             rays: args.rays as usize,
+            ray: args.ray,
             picture: SmallPicture { width: args.width, height: args.height },
             bvh: quality(args.bvh),
             threads: args.threads.unwrap_or(0) as usize,

@@ -57,7 +57,7 @@ impl TryFrom<VerifyArgs> for Verify {
         }
         Ok(Self {
             scene: args.scene,
-            plan: verify::Plan { groups, full: args.full },
+            plan: verify::Plan { groups, full: args.full, rays: None },
             native: args.backend.contains(&PathArg::Native),
             embree,
             bvh: quality(args.bvh),

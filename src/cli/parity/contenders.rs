@@ -8,6 +8,11 @@ use crate::render::{Observer, Options, render};
 use crate::scene::Scene;
 use crate::trial::parity::{Answers, Set, ask};
 
+/// The reason why Embree is left out of a build without it.
+#[cfg(not(feature = "embree"))]
+pub(super) const NOT_BUILT_IN: &str =
+    "this program was built without it; `cargo build --release --features embree` builds one with it";
+
 /// Every path over the same shapes, the native one first.
 pub(super) struct Contenders {
     /// How they were built.
@@ -35,8 +40,7 @@ impl Contenders {
         #[cfg(not(feature = "embree"))]
         {
             let _ = threads;
-            let why = "this program was built without it; `cargo build --release --features embree` builds one with it";
-            Ok(Self { bvh, native, left_out: Some(why.into()) })
+            Ok(Self { bvh, native, left_out: Some(NOT_BUILT_IN.into()) })
         }
     }
 

@@ -3,6 +3,7 @@
 mod contenders;
 mod pixels;
 mod report;
+mod single;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -20,6 +21,7 @@ use crate::{Error, Result};
 use contenders::Contenders;
 use pixels::Pixels;
 use report::{Facts, Report};
+use single::Single;
 
 /// Loads, asks every contender, judges and reports. Negative where the native path is wrong anywhere.
 pub(super) fn run(job: &Parity) -> Result<Verdict> {
@@ -36,6 +38,15 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     // Twice: for the rays, and for the pictures.
     Reference::need(&scene.geometry)?;
     let reference = Reference::build(&scene.geometry);
+    if let Some(ray) = &job.ray {
+        let single = Single::of(job, &scene, &reference, ray)?;
+        if job.json {
+            output::print_json(&single)?;
+        } else {
+            output::print(&(single.text() + "\n"))?;
+        }
+        return Ok(if single.passed() { Verdict::Done } else { Verdict::Negative });
+    }
     let contenders = Contenders::build(&scene, job.bvh, options.thread_count())?;
     let sets = sets(&reference, &scene.geometry, &view::of(&scene), job.rays);
     Reference::need(&scene.geometry)?;

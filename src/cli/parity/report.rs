@@ -10,9 +10,11 @@ use crate::accel::reference::{Cause, Fault};
 use crate::cli::options::Parity;
 use crate::cli::table::{counted, grouped};
 use crate::cli::warnings::Warnings;
+use crate::geometry::Ray;
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fault_name};
+use crate::trial::shown;
 
 /// Everything a report is made from. `records` and `pixels` are in the order of the sets and the contenders.
 pub(super) struct Facts<'a> {
@@ -83,6 +85,8 @@ struct Undecidable {
     tie: u64,
     interval: u64,
     sliver: u64,
+    /// The ray passes an open edge or an unjoined seam.
+    crack: u64,
 }
 
 #[derive(serde::Serialize)]
@@ -128,6 +132,10 @@ struct Example {
     t_max: f32,
     claim: Option<Met>,
     truth: Option<Met>,
+    /// The command that sends the ray again.
+    repeat: String,
+    #[serde(skip)]
+    ray: Ray,
 }
 
 /// A hit; under [`Query::Occluded`] a claim is only that there is one.
@@ -142,13 +150,16 @@ impl Report {
     pub fn of(facts: &Facts) -> Self {
         let Facts { job, scene, warnings, contenders, sets, records, pixels } = facts;
         let (names, shapes) = (contenders.names(), scene.shape_counts());
+        let scene_name = job.scene.display().to_string();
         let mut rows = Vec::new();
         let mut examples = Vec::new();
         for (set, records) in sets.iter().zip(*records) {
             for (&contender, both) in names.iter().zip(records) {
                 for (query, record) in both.each() {
                     rows.push(Row::of(set.name, query, contender, record));
-                    examples.extend(record.wrong.iter().map(|w| Example::of(scene, set.name, query, contender, w)));
+                    examples.extend(
+                        record.wrong.iter().map(|w| Example::of(scene, &scene_name, set.name, query, contender, w)),
+                    );
                 }
             }
         }
@@ -175,7 +186,7 @@ impl Report {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             simd: level::BUILT,
-            scene: job.scene.display().to_string(),
+            scene: scene_name,
             warnings: (*warnings).clone(),
             triangles: shapes.triangles,
             spheres: shapes.spheres,
@@ -227,19 +238,19 @@ impl Report {
         let _ = writeln!(s, "\n{:31}undecidable, f32 cannot tell: ", "");
         let _ = writeln!(
             s,
-            "{:<11} {:<13} {:>9} {:>7} {:>5} {:>7} {:>7} {:>8}",
-            "rays", "contender", "answers", "edge", "tie", "end", "sliver", "wrong"
+            "{:<11} {:<13} {:>9} {:>7} {:>7} {:>4} {:>6} {:>6} {:>7}",
+            "rays", "contender", "answers", "edge", "crack", "tie", "end", "sliver", "wrong"
         );
         let mut line = |kind: &str, contender: &str, t: &Tally| {
-            let [edge, tie, interval, sliver] = t.undecidable;
+            let [edge, tie, interval, sliver, crack] = t.undecidable;
             let native = contender == self.contenders[0];
             let (end, wrong) = if native { (interval, t.broken()) } else { (interval + t.beyond_end, t.all_wrong()) };
             let figure = |n: u64| if n == 0 { String::from("-") } else { grouped(n) };
             let (answers, wrong) = (grouped(t.answers), figure(wrong));
-            let [edge, tie, end, sliver] = [edge, tie, end, sliver].map(figure);
+            let [edge, crack, tie, end, sliver] = [edge, crack, tie, end, sliver].map(figure);
             let _ = writeln!(
                 s,
-                "{kind:<11} {contender:<13} {answers:>9} {edge:>7} {tie:>5} {end:>7} {sliver:>7} {wrong:>8}"
+                "{kind:<11} {contender:<13} {answers:>9} {edge:>7} {crack:>7} {tie:>4} {end:>6} {sliver:>6} {wrong:>7}"
             );
         };
         let mut kinds: Vec<&str> = self.rows.iter().map(|r| r.rays).collect();
@@ -331,6 +342,7 @@ impl Row {
                 tie: cause(Cause::Tie),
                 interval: cause(Cause::Interval),
                 sliver: cause(Cause::Sliver),
+                crack: cause(Cause::Crack),
             },
             beyond_end: t.beyond_end,
             wrong: Faults {
@@ -361,7 +373,7 @@ fn digits(v: Vec3) -> [f64; 3] {
 }
 
 impl Example {
-    fn of(scene: &Scene, rays: &'static str, query: Query, contender: &'static str, w: &Wrong) -> Self {
+    fn of(scene: &Scene, name: &str, rays: &'static str, query: Query, contender: &'static str, w: &Wrong) -> Self {
         let met = |hit: bool, t: f64, geometry: u32, primitive: u32| hit.then_some(Met { t, geometry, primitive });
         let (claim, truth) = (&w.claim, &w.truth);
         Self {
@@ -375,6 +387,8 @@ impl Example {
             t_max: w.ray.t_max,
             claim: met(claim.is_hit(), f64::from(claim.t), claim.geometry, claim.primitive),
             truth: met(truth.is_hit(), truth.t, truth.geometry, truth.primitive),
+            repeat: shown::command(name, &w.ray),
+            ray: w.ray,
         }
     }
 
@@ -383,17 +397,15 @@ impl Example {
             m.as_ref().map_or(String::from("nothing"), |m| format!("{}:{} at {}", m.geometry, m.primitive, m.t))
         };
         format!(
-            "{} {} ({:?}): {}: origin {:?}, dir {:?}, t {} to {}: {}; f64: {}",
+            "{} {} ({:?}): {}: {}; f64: {}\n  ray    {}\n  repeat {}",
             self.contender,
             self.rays,
             self.query,
-            self.fault,
-            self.origin,
-            self.dir,
-            self.t_min,
-            self.t_max,
+            self.fault.replace('_', " "),
             met(&self.claim),
-            met(&self.truth)
+            met(&self.truth),
+            shown::ray(&self.ray),
+            self.repeat
         )
     }
 }

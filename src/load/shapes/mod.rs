@@ -34,7 +34,7 @@ mod tests {
     use glam::{DVec3, Vec2};
 
     use super::*;
-    use crate::load::topology::{Edges, weld};
+    use crate::geometry::topology::{Edges, weld};
 
     fn volume(mesh: &TriMesh) -> f64 {
         (0..mesh.triangles.len())

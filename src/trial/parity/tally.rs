@@ -3,7 +3,7 @@
 use crate::accel::reference::{Cause, Fault, Verdict};
 
 /// Every cause, in the order of [`Tally::undecidable`].
-pub const CAUSES: [Cause; 4] = [Cause::Edge, Cause::Tie, Cause::Interval, Cause::Sliver];
+pub const CAUSES: [Cause; 5] = [Cause::Edge, Cause::Tie, Cause::Interval, Cause::Sliver, Cause::Crack];
 
 /// Every fault, in the order of [`Tally::wrong`].
 pub const FAULTS: [Fault; 7] = [
@@ -24,6 +24,7 @@ pub fn cause_name(cause: Cause) -> &'static str {
         Cause::Tie => "tie",
         Cause::Interval => "interval",
         Cause::Sliver => "sliver",
+        Cause::Crack => "crack",
     }
 }
 
@@ -90,7 +91,7 @@ pub struct Tally {
     /// The same as the arbiter's.
     pub agree: u64,
     /// Undecidable, by cause: [`CAUSES`].
-    pub undecidable: [u64; 4],
+    pub undecidable: [u64; 5],
     /// At or just outside an end of the interval.
     pub beyond_end: u64,
     /// Wrong, by fault: [`FAULTS`].
@@ -170,7 +171,10 @@ mod tests {
         let mut tally = Tally::default();
         findings.into_iter().for_each(|f| tally.add(f));
         assert_eq!((tally.answers, tally.agree, tally.all_undecidable(), tally.broken()), (5, 1, 2, 2));
-        assert_eq!((tally.undecidable, tally.wrong, tally.largest_margin), ([1, 1, 0, 0], [0, 0, 0, 0, 0, 1, 0], 0.25));
+        assert_eq!(
+            (tally.undecidable, tally.wrong, tally.largest_margin),
+            ([1, 1, 0, 0, 0], [0, 0, 0, 0, 0, 1, 0], 0.25)
+        );
         let mut twice = tally;
         twice.merge(&tally);
         assert_eq!((twice.answers, twice.all_wrong(), twice.beyond_end), (10, 2, 2));

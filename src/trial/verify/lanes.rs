@@ -10,6 +10,7 @@ use crate::Result;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, Sphere};
 use crate::simd::Mask8;
+use crate::trial::shown;
 
 /// Eight octants and one batch with all of them in each packet, then orders of rays.
 pub(super) const BATCHES: usize = 9 + ORDERS;
@@ -144,11 +145,13 @@ fn orders<I: Intersector>(ways: &[Way<I>], rng: &mut Rng, judge: &Judge, tally: 
         }
         let shuffled: Vec<Ray> = order.iter().map(|&i| rays[i]).collect();
         for (&i, got) in order.iter().zip(way.closest(&shuffled, &mut scratch)) {
-            tally.check(judge.same(&got, &want[i]), || format!("{}: {:?} in another order", way.name, rays[i]));
+            tally.check(judge.same(&got, &want[i]), || {
+                format!("{}: {} in another order", way.name, shown::ray(&rays[i]))
+            });
         }
         for (ray, want) in rays.iter().zip(&want).step_by(8) {
             let alone = way.closest(std::slice::from_ref(ray), &mut scratch)[0];
-            tally.check(judge.same(&alone, want), || format!("{}: {ray:?} alone", way.name));
+            tally.check(judge.same(&alone, want), || format!("{}: {} alone", way.name, shown::ray(ray)));
         }
     }
 }

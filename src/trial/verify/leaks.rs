@@ -9,6 +9,7 @@ use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::Ray;
+use crate::trial::shown;
 
 pub(super) const MESHES: [Closed; 5] = [Closed::Ball, Closed::Bumpy, Closed::Crumpled, Closed::Spindle, Closed::Cube];
 
@@ -45,10 +46,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i:
             }
         }
         for (ray, lost) in rays.iter().zip(lost) {
-            tally.check(lost.is_empty(), || {
-                let (from, dir) = (ray.origin, ray.dir);
-                format!("{}: out of {} from {from:?} along {dir:?}", lost.join(", "), pair.name)
-            });
+            tally.check(lost.is_empty(), || format!("{}: out of {}: {}", lost.join(", "), pair.name, shown::ray(ray)));
         }
     }
     Ok(tally)

@@ -34,7 +34,7 @@ pub use fresnel::INDEX_PAIRS;
 pub use group::Group;
 pub use scene::fire as fire_at_scene;
 pub use tally::{Tally, Worst};
-pub use trouble::{Kind, Place, Trouble, find as find_trouble};
+pub use trouble::{Kind, Place, Trouble, Troubles, find as find_trouble};
 
 use crate::render::Observer;
 use crate::{Error, Result};
@@ -46,13 +46,15 @@ pub struct Plan {
     pub groups: Vec<Group>,
     /// All the cases of the promise, minutes of work, instead of a sample of them.
     pub full: bool,
+    /// Rays of each group that is fired at a scene; none for the usual number.
+    pub rays: Option<u64>,
 }
 
 impl Plan {
     /// A sample of every group, some seconds of work.
     #[must_use]
     pub fn quick() -> Self {
-        Self { groups: Group::ALL.to_vec(), full: false }
+        Self { groups: Group::ALL.to_vec(), full: false, rays: None }
     }
 
     /// `full` cases, or of the quick run so many.
@@ -84,10 +86,11 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Whether nothing fell short, in at least one case.
+    /// Whether nothing fell short, in at least one case. Where work was bounded so soon that there was none, the rays that
+    /// were left out are told instead.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.tally.failures == 0 && self.tally.cases > 0
+        self.tally.failures == 0 && (self.tally.cases > 0 || self.tally.left_out > 0)
     }
 }
 

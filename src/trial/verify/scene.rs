@@ -4,16 +4,24 @@
 use glam::{DVec3, Vec3};
 
 use super::sample::Rng;
-use super::self_hits::leaving;
-use super::{Candidate, Finding, Group, Place, Plan, Tally, in_batches, timed};
+use super::self_hits::{Leaving, leaving};
+use super::{Candidate, Finding, Group, Place, Plan, Tally, Way, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
-use crate::accel::reference::{Fault, Hit64, Reference, Verdict};
+use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
 use crate::geometry::{Aabb, Hit, Ray, Shape};
 use crate::render::Observer;
 use crate::scene::Scene;
+use crate::trial::parity::fault_name;
+use crate::trial::shown;
 
 const BATCHES: usize = 64;
+
+/// Rays traced together.
+const CHUNK: usize = 256;
+
+/// Units of [`Budget`] after which no more rays are traced together.
+const CHUNK_UNITS: u64 = 2_000_000;
 
 /// Middle and half extent of what is finite in a scene.
 pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
@@ -32,102 +40,190 @@ pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
     }
 }
 
-/// Fires the planned groups of [`Group::OF_SCENE`] at a scene by every way through a path; failures name the triangle
-/// and its place.
+/// Fires the planned groups of [`Group::OF_SCENE`] at a scene by every way through a path; failures name the triangle and
+/// its place, and repeat the ray by the `name` of the scene's file.
 ///
 /// # Errors
 /// Interrupted; what building the path comes to.
-pub fn fire<C: Candidate>(candidate: &C, scene: &Scene, plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
-    let ways = candidate.build(&scene.geometry)?;
+pub fn fire<C: Candidate>(
+    candidate: &C,
+    scene: &Scene,
+    name: &str,
+    plan: &Plan,
+    observer: &Observer,
+) -> Result<Vec<Finding>> {
+    let target = Target { scene, name, ways: candidate.build(&scene.geometry)?, exact: candidate.is_exact() };
     let arbiter = Reference::build(&scene.geometry);
     let aim = Aim::at(scene);
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| Group::OF_SCENE.contains(g)) {
         let batch = |i: usize| -> Result<Tally> {
             let mut rng = Rng::new(group.name(), i);
-            let mut tally = Tally::default();
-            let mut scratch = <C::Accel as Intersector>::Scratch::default();
-            let count = plan.sized(2_000_000, 64_000) as usize / BATCHES;
+            let count = plan.rays.unwrap_or(plan.sized(2_000_000, 64_000)) as usize / BATCHES;
             let rays: Vec<Ray> = (0..count).map(|k| aim.ray(&mut rng, group == Group::Parity, k)).collect();
-            let first = ways[0].closest(&rays, &mut scratch);
-            if group == Group::SelfHits {
-                let left: Vec<_> = rays
-                    .iter()
-                    .zip(&first)
-                    .filter(|(_, hit)| hit.is_hit())
-                    .flat_map(|(ray, hit)| leaving(&scene.geometry, ray, hit, &mut rng))
-                    .collect();
-                let rays: Vec<Ray> = left.iter().map(|l| l.ray).collect();
-                for way in &ways {
-                    for (l, hit) in left.iter().zip(way.closest(&rays, &mut scratch)) {
-                        // Only what is flat cannot be met again.
-                        let flat = !matches!(scene.geometry[l.from.geometry as usize].shape, Shape::Sphere(_));
-                        tally.check(!(flat && hit.is_hit() && hit.id() == l.from.id()), || {
-                            let place = Place::of(scene, l.from.geometry, l.from.primitive);
-                            format!(
-                                "{place}: met again by a {:?} ray that leaves it ({}): {}",
-                                l.sent,
-                                way.name,
-                                told(scene, &l.ray)
-                            )
-                        });
-                    }
-                }
-                return Ok(tally);
-            }
-            let answers: Vec<(Vec<Hit>, Vec<bool>)> =
-                ways.iter().map(|way| (way.closest(&rays, &mut scratch), way.occluded(&rays, &mut scratch))).collect();
-            for (k, ray) in rays.iter().enumerate() {
-                let examined = arbiter.examine(ray);
-                for (way, (hits, blocked)) in ways.iter().zip(&answers) {
-                    let hit = &hits[k];
-                    let judged = [examined.judge(hit), examined.judge_occluded(blocked[k])];
-                    let fault = judged.into_iter().find_map(|v| match v {
-                        Verdict::Wrong(fault) if counts(group, fault) => Some(format!("{fault:?}")),
-                        _ => None,
-                    });
-                    let differs = group == Group::Parity && candidate.is_exact() && bits(hit) != bits(&first[k]);
-                    let fault = fault.or_else(|| differs.then(|| format!("other bits than {}", ways[0].name)));
-                    tally.check(fault.is_none(), || {
-                        let (place, fault) = (at(scene, examined.truth(), hit), fault.unwrap_or_default());
-                        format!("{place}: {fault} ({}): {}", way.name, told(scene, ray))
-                    });
-                }
-            }
-            Ok(tally)
+            let budget = Budget::new(plan.sized(200_000_000, 6_000_000));
+            Ok(match group {
+                Group::SelfHits => target.left_behind(&arbiter, &rays, budget, &mut rng),
+                _ => target.judged(group, &arbiter, &rays, budget),
+            })
         };
         findings.push(timed(group, Some(candidate.name()), || in_batches(BATCHES, observer, &batch))?);
     }
     Ok(findings)
 }
 
-/// Whether a group is about a fault.
-fn counts(group: Group, fault: Fault) -> bool {
-    group == Group::Parity || matches!(fault, Fault::Leak | Fault::MissedHit)
+/// A path built over a scene.
+struct Target<'a, I> {
+    scene: &'a Scene,
+    /// The scene's file, as it was typed.
+    name: &'a str,
+    ways: Vec<Way<I>>,
+    /// True if all ways promise the same bits.
+    exact: bool,
+}
+
+impl<I: Intersector> Target<'_, I> {
+    /// Sends rays from where `rays` hit, and looks for those that meet the flat primitive that they leave.
+    fn left_behind(&self, arbiter: &Reference, rays: &[Ray], mut budget: Budget, rng: &mut Rng) -> Tally {
+        let geometry = &self.scene.geometry;
+        let mut tally = Tally::default();
+        let mut scratch = I::Scratch::default();
+        let mut rest = rays;
+        while !rest.is_empty() {
+            let measured = measured(arbiter, rest, &mut budget);
+            if measured == 0 {
+                tally.left_out += rest.len() as u64;
+                break;
+            }
+            let (chunk, after) = rest.split_at(measured);
+            rest = after;
+            let first = self.ways[0].closest(chunk, &mut scratch);
+            let met = chunk.iter().zip(&first).filter(|(_, hit)| hit.is_hit());
+            let left: Vec<Leaving> = met.flat_map(|(ray, hit)| leaving(geometry, ray, hit, rng)).collect();
+            let rays: Vec<Ray> = left.iter().map(|l| l.ray).collect();
+            for way in &self.ways {
+                for (l, hit) in left.iter().zip(way.closest(&rays, &mut scratch)) {
+                    // Only what is flat cannot be met again.
+                    let flat = !matches!(geometry[l.from.geometry as usize].shape, Shape::Sphere(_));
+                    tally.check(!(flat && hit.is_hit() && hit.id() == l.from.id()), || {
+                        let place = Place::of(self.scene, l.from.geometry, l.from.primitive);
+                        let answers = [(way.name, self.hit(&hit))];
+                        self.failure(
+                            &format!("{place}: met again by a {:?} ray that leaves it", l.sent),
+                            &l.ray,
+                            &answers,
+                        )
+                    });
+                }
+            }
+        }
+        tally
+    }
+
+    /// Holds what every way answers to `rays` against the arbiter.
+    fn judged(&self, group: Group, arbiter: &Reference, rays: &[Ray], mut budget: Budget) -> Tally {
+        let mut tally = Tally::default();
+        let mut scratch = I::Scratch::default();
+        let mut rest = rays;
+        while !rest.is_empty() {
+            // Fewer at a time where each holds many contacts, to save memory.
+            let mut examined = Vec::new();
+            let end = budget.left().saturating_sub(CHUNK_UNITS);
+            while examined.len() < CHUNK.min(rest.len()) && (examined.is_empty() || budget.left() > end) {
+                let Some(of_one) = arbiter.examine_within(&rest[examined.len()], &mut budget) else { break };
+                examined.push(of_one);
+            }
+            if examined.is_empty() {
+                tally.left_out += rest.len() as u64;
+                break;
+            }
+            let (chunk, after) = rest.split_at(examined.len());
+            rest = after;
+            let answers: Vec<(Vec<Hit>, Vec<bool>)> = self
+                .ways
+                .iter()
+                .map(|way| (way.closest(chunk, &mut scratch), way.occluded(chunk, &mut scratch)))
+                .collect();
+            for (k, (ray, examined)) in chunk.iter().zip(&examined).enumerate() {
+                let answers: Vec<(Hit, bool)> = answers.iter().map(|(hits, blocked)| (hits[k], blocked[k])).collect();
+                let faults: Vec<String> =
+                    answers.iter().filter_map(|a| self.fault(group, examined, a, &answers[0].0)).collect();
+                tally.check_all(answers.len() as u64, faults.len() as u64, || {
+                    let (truth, hit) = (examined.truth(), &answers[0].0);
+                    let (geometry, primitive) =
+                        if truth.is_hit() { (truth.geometry, truth.primitive) } else { (hit.geometry, hit.primitive) };
+                    let place = if (geometry as usize) < self.scene.objects.len() {
+                        Place::of(self.scene, geometry, primitive).to_string()
+                    } else {
+                        String::from("nowhere")
+                    };
+                    let truth =
+                        Hit { t: truth.t as f32, geometry: truth.geometry, primitive: truth.primitive, ..Hit::MISS };
+                    let blocked = |yes: bool| if yes { "blocked" } else { "not blocked" };
+                    let says = self.ways.iter().zip(&answers);
+                    let says = says.map(|(way, (hit, b))| (way.name, format!("{}; {}", self.hit(hit), blocked(*b))));
+                    let all: Vec<_> = [("f64", self.hit(&truth))].into_iter().chain(says).collect();
+                    self.failure(&format!("{place}: {}", faults[0]), ray, &all)
+                });
+            }
+        }
+        tally
+    }
+
+    /// The fault of one way's answers, where it is one that the group is about.
+    fn fault(&self, group: Group, examined: &Examined, answers: &(Hit, bool), first: &Hit) -> Option<String> {
+        let counts = |fault: Fault| group == Group::Parity || matches!(fault, Fault::Leak | Fault::MissedHit);
+        let judged = [examined.judge(&answers.0), examined.judge_occluded(answers.1)];
+        let fault = judged.into_iter().find_map(|v| match v {
+            Verdict::Wrong(fault) if counts(fault) => Some(fault_name(fault).replace('_', " ")),
+            _ => None,
+        });
+        let differs = group == Group::Parity && self.exact && bits(&answers.0) != bits(first);
+        fault.or_else(|| differs.then(|| format!("other bits than {}", self.ways[0].name)))
+    }
+
+    /// A hit in words.
+    fn hit(&self, hit: &Hit) -> String {
+        match self.scene.objects.get(hit.geometry as usize) {
+            Some(object) if hit.is_hit() => format!("triangle {} of `{}` at t = {}", hit.primitive, object.name, hit.t),
+            _ => String::from("nothing"),
+        }
+    }
+
+    /// What fell short, the ray, what each path says, and the command that repeats it; a line each.
+    fn failure(&self, what: &str, ray: &Ray, answers: &[(&str, String)]) -> String {
+        let mut text = format!("{what}\n  {:<7} {}", "ray", shown::ray(ray));
+        if !self.scene.is_in_world_coordinates() {
+            let start = self.scene.world(ray.origin.as_dvec3());
+            text += &format!("; numbers count from the scene's origin, in the world it starts at {start}");
+        }
+        for (path, answer) in answers {
+            text += &format!("\n  {path:<7} {answer}");
+        }
+        text + &format!("\n  {:<7} {}", "repeat", shown::command(self.name, ray))
+    }
+}
+
+/// The number of `rays` that `budget` lasts for, of those that are traced together. Of cheap rays one in eight is measured,
+/// and stands for eight.
+fn measured(arbiter: &Reference, rays: &[Ray], budget: &mut Budget) -> usize {
+    let end = budget.left().saturating_sub(CHUNK_UNITS);
+    let mut count = 0;
+    while count < CHUNK.min(rays.len()) && (count == 0 || budget.left() > end) {
+        let before = budget.left();
+        if arbiter.examine_within(&rays[count], budget).is_none() {
+            break;
+        }
+        let units = before - budget.left();
+        let alike = if units > CHUNK_UNITS / CHUNK as u64 { 1 } else { 8 };
+        budget.spend((alike - 1) * units);
+        count += alike as usize;
+    }
+    count.min(rays.len())
 }
 
 fn bits(h: &Hit) -> ([u32; 3], (u32, u32, u32)) {
     ([h.t, h.u, h.v].map(f32::to_bits), h.id())
-}
-
-/// A ray, its start in world coordinates.
-fn told(scene: &Scene, ray: &Ray) -> String {
-    if scene.is_in_world_coordinates() {
-        return format!("{ray:?}");
-    }
-    let (from, along) = (scene.world(ray.origin.as_dvec3()), ray.dir.as_dvec3() * scene.unit());
-    format!("a ray from {from} along {along}, t {} to {}", ray.t_min, ray.t_max)
-}
-
-/// The triangle that a ray should have met, or did.
-fn at(scene: &Scene, truth: &Hit64, hit: &Hit) -> String {
-    let (geometry, primitive) =
-        if truth.is_hit() { (truth.geometry, truth.primitive) } else { (hit.geometry, hit.primitive) };
-    if (geometry as usize) < scene.objects.len() {
-        Place::of(scene, geometry, primitive).to_string()
-    } else {
-        String::from("nowhere")
-    }
 }
 
 /// Rays at a scene.

@@ -11,6 +11,7 @@ use crate::accel::Intersector;
 use crate::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, Spot};
 use crate::math::Vector3;
 use crate::optics::{Boundary, reflect};
+use crate::trial::shown;
 
 pub(super) const MESHES: [Closed; 4] = [Closed::Ball, Closed::Bumpy, Closed::Spindle, Closed::Cube];
 
@@ -133,7 +134,8 @@ fn leave<C: Candidate>(
             tally.check(caught.is_empty(), || {
                 let what = if is_ball { "exact sphere like " } else { "" };
                 let names = caught.join(", ");
-                format!("{names}: {:?} ray meets what it leaves, {what}{}: {:?}", l.sent, pair.name, l.ray)
+                let ray = shown::ray(&l.ray);
+                format!("{names}: {:?} ray meets what it leaves, {what}{}: {ray}", l.sent, pair.name)
             });
         }
     }
@@ -259,13 +261,16 @@ fn plates<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut T
                 let next = way.closest(&through, &mut scratch);
                 for (ray, hit) in arriving.iter().zip(&hits) {
                     let holds = hit.geometry == hit_first;
-                    tally
-                        .check(holds, || format!("{}: plate {hit_first} overlooked, {}: {ray:?}", way.name, pair.name));
+                    tally.check(holds, || {
+                        let ray = shown::ray(ray);
+                        format!("{}: plate {hit_first} overlooked, {}: {ray}", way.name, pair.name)
+                    });
                 }
                 for (ray, hit) in through.iter().zip(&next) {
                     let holds = hit.geometry == 1 - hit_first;
                     tally.check(holds, || {
-                        format!("{}: plate {gap:e} behind another overlooked, {}: {ray:?}", way.name, pair.name)
+                        let ray = shown::ray(ray);
+                        format!("{}: plate {gap:e} behind another overlooked, {}: {ray}", way.name, pair.name)
                     });
                 }
             }

@@ -33,8 +33,10 @@ pub struct Tally {
     pub failures: u64,
     /// The figure that takes up the most of its bound.
     pub worst: Option<Worst>,
-    /// The first few failures, in words.
+    /// The first few failures, in words; one with several lines has the ray, what each path answers, and how to repeat it.
     pub examples: Vec<String>,
+    /// Rays that were left out because they and those before them meet too many shapes at once.
+    pub left_out: u64,
 }
 
 impl Tally {
@@ -48,6 +50,15 @@ impl Tally {
         self.cases += 1;
         if !holds {
             self.fail(say);
+        }
+    }
+
+    /// Counts `cases` of one ray, of which so many fell short; `say` tells of all of them.
+    pub fn check_all(&mut self, cases: u64, failures: u64, say: impl FnOnce() -> String) {
+        self.cases += cases;
+        if failures > 0 {
+            self.fail(say);
+            self.failures += failures - 1;
         }
     }
 
@@ -81,6 +92,7 @@ impl Tally {
     pub fn merge(&mut self, o: Self) {
         self.cases += o.cases;
         self.failures += o.failures;
+        self.left_out += o.left_out;
         if let Some(worst) = o.worst {
             self.note(worst);
         }

@@ -11,6 +11,7 @@ use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Reference, Verdict};
 use crate::geometry::{Geometry, Hit, Ray, Shape, TriMesh, intersect_triangle};
+use crate::trial::shown;
 
 /// Scenes of odd meshes.
 const SCENES: usize = 20;
@@ -51,7 +52,9 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
                     }
                 }
             };
-            tally.check(fault.is_none(), || format!("{}, {name}: {} for {ray:?}", way.name, fault.unwrap_or_default()));
+            tally.check(fault.is_none(), || {
+                format!("{}, {name}: {} for a ray {}", way.name, fault.unwrap_or_default(), shown::ray(ray))
+            });
         }
     }
     Ok(tally)

@@ -7,8 +7,9 @@ use std::fmt;
 use glam::{DVec3, Vec3};
 
 use super::sample::Rng;
-use crate::accel::reference::{Hit64, Ray64, Reference};
-use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
+use crate::accel::reference::{Budget, Hit64, Ray64, Reference};
+use crate::geometry::topology::{Edges, place};
+use crate::geometry::{Geometry, GeometryMask, Shape};
 use crate::scene::{Interface, Scene};
 
 /// Times as long as high: rounding may then move a hit by hundreds of its spacings.
@@ -16,6 +17,9 @@ const SLIVER: f64 = 1000.0;
 
 /// Rays that look for overlapping media.
 const PROBES: usize = 4000;
+
+/// Units of [`Budget`] that they may take together.
+const PROBE_UNITS: u64 = 200_000_000;
 
 /// A kind of trouble.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -102,9 +106,18 @@ impl fmt::Display for Trouble {
     }
 }
 
-/// Everything found, by kind and then in the order of the scene.
+/// All trouble with a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Troubles {
+    /// By kind and then in the order of the scene.
+    pub found: Vec<Trouble>,
+    /// Probing rays for overlapping media that were left out because those before met too many shapes at once.
+    pub probes_left_out: u64,
+}
+
+/// Looks for all kinds of trouble.
 #[must_use]
-pub fn find(scene: &Scene) -> Vec<Trouble> {
+pub fn find(scene: &Scene) -> Troubles {
     let mut found = Vec::new();
     let mut seen = HashMap::new();
     for (id, g) in (0_u32..).zip(&scene.geometry) {
@@ -122,7 +135,7 @@ pub fn find(scene: &Scene) -> Vec<Trouble> {
             if ratio >= SLIVER {
                 tell(Kind::Sliver, i, format!(", {ratio:.0} times as long as high"));
             }
-            let mut key = corners.map(bits);
+            let mut key = corners.map(place);
             key.sort_unstable();
             if let Some(&(earlier, first)) = seen.get(&key) {
                 tell(Kind::Duplicate, i, format!(" of {}", Place::of(scene, earlier, first)));
@@ -131,19 +144,15 @@ pub fn find(scene: &Scene) -> Vec<Trouble> {
             }
         }
         if medium_of(scene, id).is_some() {
-            for i in open_edges(mesh) {
+            for i in Edges::usable(mesh).open_triangles() {
                 tell(Kind::OpenEdge, i, String::new());
             }
         }
     }
-    found.extend(overlaps(scene));
+    let (overlaps, probes_left_out) = overlaps(scene);
+    found.extend(overlaps);
     found.sort_by_key(|t| t.kind);
-    found
-}
-
-/// A position's bits; 0 and -0 are the same place.
-fn bits(p: Vec3) -> [u32; 3] {
-    (p + Vec3::ZERO).to_array().map(f32::to_bits)
+    Troubles { found, probes_left_out }
 }
 
 /// The longest edge over the height above it; infinite where the corners are in line.
@@ -163,39 +172,24 @@ fn medium_of(scene: &Scene, geometry: u32) -> Option<u32> {
     }
 }
 
-/// Triangles with an edge that is not run along equally often both ways, corners at one place being the same.
-fn open_edges(mesh: &TriMesh) -> Vec<usize> {
-    let mut edges: HashMap<_, (i32, usize)> = HashMap::new();
-    for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
-        let corners = mesh.corners(i).map(bits);
-        for k in 0..3 {
-            let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            let (key, way) = if a < b { ((a, b), 1) } else { ((b, a), -1) };
-            edges.entry(key).or_insert((0, i)).0 += way;
-        }
-    }
-    let mut open: Vec<usize> = edges.into_values().filter(|(balance, _)| *balance != 0).map(|(_, i)| i).collect();
-    open.sort_unstable();
-    open.dedup();
-    open
-}
-
 /// How near to each other two faces coincide, in lengths of the scene.
 const COINCIDENT: f64 = 1e-7;
 
 /// Pairs of objects that share a face, and pairs with media of one priority that cross each other: probing rays leave the one entered first before
 /// the other. A medium wholly inside another is no trouble, since the one entered last fills the space.
-fn overlaps(scene: &Scene) -> Vec<Trouble> {
+///
+/// Also returns the number of rays that were left out.
+fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
     // Only of a closed shape can it be said by counting when a ray is inside.
     let is_closed = |shape: &Shape| match shape {
-        Shape::Mesh(mesh) => open_edges(mesh).is_empty(),
+        Shape::Mesh(mesh) => Edges::usable(mesh).open().is_none(),
         Shape::Sphere(sphere) => sphere.is_usable(),
         Shape::Plane(_) => false,
     };
     let closed_medium = |(id, g): (u32, &Geometry)| medium_of(scene, id).filter(|_| is_closed(&g.shape));
     let media: Vec<Option<u32>> = (0..).zip(&scene.geometry).map(closed_medium).collect();
     if media.iter().flatten().count() < 2 {
-        return Vec::new();
+        return (Vec::new(), 0);
     }
     let clash = |a: u32, b: u32| match (media[a as usize], media[b as usize]) {
         (Some(m), Some(n)) => m != n && scene.media[m as usize].priority == scene.media[n as usize].priority,
@@ -206,7 +200,8 @@ fn overlaps(scene: &Scene) -> Vec<Trouble> {
     let mut rng = Rng::new("overlaps", 0);
     let size = bounds.0.abs().max_element().max(bounds.1.max_element());
     let mut found: BTreeMap<(Kind, u32, u32), Trouble> = BTreeMap::new();
-    for _ in 0..PROBES {
+    let mut budget = Budget::new(PROBE_UNITS);
+    for k in 0..PROBES {
         let (from, to) = (bounds.0 + bounds.1 * rng.point() * 2.0, bounds.0 + bounds.1 * rng.point());
         let ray = Ray64 {
             origin: from,
@@ -215,7 +210,10 @@ fn overlaps(scene: &Scene) -> Vec<Trouble> {
             t_max: f64::INFINITY,
             admits: GeometryMask::ALL,
         };
-        let mut hits = arbiter.all_hits(&ray);
+        let mut hits = arbiter.hits_within(&ray, &mut budget);
+        if budget.is_spent() {
+            return (found.into_values().collect(), (PROBES - k) as u64);
+        }
         // A ray at an edge meets both triangles there.
         hits.dedup_by(|b, a| a.geometry == b.geometry && a.t == b.t);
         hits.retain(|hit| media[hit.geometry as usize].is_some());
@@ -249,5 +247,5 @@ fn overlaps(scene: &Scene) -> Vec<Trouble> {
             }
         }
     }
-    found.into_values().collect()
+    (found.into_values().collect(), 0)
 }
