@@ -123,7 +123,7 @@ pub(super) fn fit_for(scene: &Scene, backend: Backend, asked_for: bool, quiet: b
 /// # Errors
 /// None.
 #[cfg(not(feature = "embree"))]
-#[allow(clippy::unnecessary_wraps)]
+#[expect(clippy::unnecessary_wraps, reason = "the twin of the one with Embree")]
 pub(super) fn fit_for(_: &Scene, backend: Backend, _: bool, _: bool) -> Result<Backend> {
     Ok(backend)
 }

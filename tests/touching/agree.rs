@@ -25,7 +25,7 @@ fn any_material(rng: &mut Rng, scene: &mut Scene) -> u32 {
             let absorption = colour(rng) * 0.5;
             let ior = [1.0, 1.2, 1.33, 1.5, 1.5, 1.7][rng.below(6)];
             let priority = rng.below(3) as i32;
-            return glass(scene, ior, priority, absorption);
+            glass(scene, ior, priority, absorption)
         }
         4 | 5 => {
             let checker =

@@ -72,7 +72,7 @@ fn core(rng: &mut Rng) -> [String; 2] {
     let ball =
         |r: f64, m: &str| format!(r#"{{ shape = "sphere", center = [0, 1, 0], radius = {r}, material = "{m}" }}"#);
     let head = format!("{HEAD}{}\nmaterial = [{materials}]\n", camera(rng));
-    let mut three = vec![ball(1.0, "shell"), ball(radius, "weak"), ball(radius, "strong")];
+    let mut three = [ball(1.0, "shell"), ball(radius, "weak"), ball(radius, "strong")];
     three.rotate_left(rng.below(3));
     let two = [ball(1.0, "shell"), ball(radius, "strong")];
     [format!("{head}mesh = [{}]", three.join(", ")), format!("{head}mesh = [{}]", two.join(", "))]

@@ -63,7 +63,7 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
 
 /// A ray: start, direction and, where given, the interval of `t`.
 pub(super) fn ray(text: &str) -> Result<Ray, String> {
-    let numbers = text.split(',').map(|x| parsed::<f32>(x)).collect::<Result<Vec<_>, _>>();
+    let numbers = text.split(',').map(parsed::<f32>).collect::<Result<Vec<_>, _>>();
     let numbers = numbers.map_err(|_| String::from("not numbers with commas between them"))?;
     let (&[x, y, z, dx, dy, dz], ends) = numbers.split_first_chunk().ok_or("not six or eight numbers")?;
     let mut ray = Ray::new(Vec3::new(x, y, z), Vec3::new(dx, dy, dz));

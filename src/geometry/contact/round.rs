@@ -26,10 +26,10 @@ pub(super) fn find(
         .filter(|&o| matches!(&geometry[o].shape, Shape::Plane(plane) if plane.is_usable()))
         .collect();
     let mut near_meshes: BTreeMap<usize, Vec<(u32, Sphere)>> = BTreeMap::new();
-    for object in 0..geometry.len() {
+    for (object, near) in neighbours.iter().enumerate() {
         let Some(sphere) = sphere_at(object) else { continue };
         let id = (object as u32, 0);
-        for &other in &neighbours[object] {
+        for &other in near {
             match &geometry[other as usize].shape {
                 Shape::Sphere(_) if (other as usize) < object => {
                     let Some(second) = sphere_at(other as usize) else { continue };
