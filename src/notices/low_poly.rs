@@ -138,7 +138,7 @@ mod tests {
         let (coarse, fine) = (mean_turn(&shapes::sphere(10)), mean_turn(&shapes::sphere(100)));
         assert!((18.0..30.0).contains(&coarse), "{coarse}");
         assert!((1.8..3.0).contains(&fine), "{fine}");
-        let flat = TriMesh { normals: Vec::new(), ..shapes::sphere(10) };
+        let flat = TriMesh { normals: Vec::new(), normal_indices: Vec::new(), ..shapes::sphere(10) };
         assert_eq!(mean_turn(&flat), 0.0);
     }
 }

@@ -9,10 +9,16 @@ use crate::scene::Scene;
 /// Place of a fault in a file.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Place {
-    /// The file, as the user named it.
+    /// The file, as the user named it. In JSON, bytes that are not UTF-8 are replaced.
+    #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
     /// Line, from 1; 0 where the fault concerns the whole file.
     pub line: u32,
+}
+
+/// A file name as text.
+fn lossy<S: serde::Serializer>(file: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&file.to_string_lossy())
 }
 
 impl Place {

@@ -186,7 +186,7 @@ impl Search<'_> {
             let Some(narrow) = &narrow else { break };
             let Some(seen) = self.render(self.settings([step; 2]), &sample)? else { break };
             lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow, wide)).collect();
-            let unknown: Vec<f64> = narrow.iter().zip(&seen).map(|(narrow, wide)| self.rest(narrow, wide)).collect();
+            let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
             truth = Some(([step; 2], seen));
             if self.short(&unknown, count) == 0 {
                 break;
@@ -207,6 +207,10 @@ impl Search<'_> {
             (Some((widest, seen)), Some(narrow)) => self.mend(*widest, [narrow, seen], &sample, count)?,
             _ => None,
         };
+        if cure == Some([0; 2]) {
+            // What wider limits add is invisible.
+            return Ok(None);
+        }
         let tried = match (cure, &truth) {
             (None, Some((widest, _))) => Some(self.priced(*widest)?),
             _ => None,
@@ -265,15 +269,16 @@ impl Search<'_> {
     }
 
     /// The light that a pixel may still lack under wider limits: that of the weight which still ends there, if it sees as much
-    /// light as the weight that these limits have freed; at most the bound. Weight of which they free nothing is caught by total
-    /// reflection for good, and sees none.
+    /// light as the weight that these limits have freed, and no more than that weight saw in all; at most the bound. Weight of
+    /// which they free nothing is caught by total reflection for good, and sees none.
     fn rest(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum();
         let (ended, freed) = (weight(wide), weight(narrow) - weight(wide));
         if freed <= 0.0 {
             return 0.0;
         }
-        (self.gained(narrow, wide) * ended / freed).min(self.light.at_most(wide.truncated, wide.radiance))
+        let alike = (ended / freed).min(1.0);
+        (self.gained(narrow, wide) * alike).min(self.light.at_most(wide.truncated, wide.radiance))
     }
 
     /// Pixels of the picture that lack visible light, by what the first `count` of the sample lack; 0 where they are no more

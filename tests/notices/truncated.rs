@@ -114,6 +114,14 @@ fn the_limits_that_are_named_mend_the_picture_at_the_cost_that_is_named() {
     }
 }
 
+/// Ten panes take more rays than are spent on the search for limits that mend the picture.
+#[test]
+fn light_that_is_out_of_reach_is_missed() {
+    let scene = scene(10, "depth = 64\ncutoff = 0.001", 1.0);
+    let shortfall = picture(&scene, &options(), 1.0).shortfall.expect("light is missing");
+    assert!(shortfall.lacks > 1.0 / 255.0 && shortfall.cure.is_none(), "{shortfall:?}");
+}
+
 #[test]
 fn light_too_weak_to_be_seen_is_not_missed() {
     let lacking = |emission, exposure| picture(&scene(10, "depth = 16", emission), &options(), exposure).shortfall;
