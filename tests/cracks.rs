@@ -174,7 +174,7 @@ impl Broken {
             Self::Off => hit.t *= 1.0 + 1e-4,
             Self::Farther if hit.is_hit() => return right(&Ray { t_min: hit.t, ..*ray }),
             Self::Elsewhere if hit.is_hit() => hit.primitive = (hit.primitive + 5) % mesh.triangles.len() as u32,
-            Self::Blind if k % 10 == 0 => return Hit::MISS,
+            Self::Blind if k.is_multiple_of(10) => return Hit::MISS,
             _ => {}
         }
         hit
@@ -198,7 +198,7 @@ fn broken_kernels_are_accused_and_rational_arithmetic_confirms_it() {
                     let found = found.entry((format!("{broken:?}").leak(), name)).or_default();
                     *found += 1;
                     // Of the common ones a sample is confirmed.
-                    if *found > 40 && *found % 16 != 0 {
+                    if *found > 40 && !found.is_multiple_of(16) {
                         continue;
                     }
                     assert!(
@@ -278,16 +278,20 @@ fn a_corner_is_a_leak_where_its_fan_is_joined_and_a_crack_where_it_is_slit() {
 #[test]
 fn a_slit_narrower_than_45_degrees_is_no_leak() {
     let positions = [
-        [30.768_1, 2.291_559_9, -13.459_7],
-        [30.859_1, 2.232_759_9, -13.501_3],
-        [30.846_201, 2.239_069_9, -13.507],
-        [30.937_6, 2.188_179_9, -13.580_7],
-        [30.922_501, 2.195_37, -13.590_999_6],
-        [30.868_099, 2.251_05, -13.733_7],
-        [30.700_3, 2.352_129_9, -13.621_7],
+        [30.768_1, 2.291_56, -13.459_7],
+        [30.859_1, 2.232_76, -13.501_3],
+        [30.846_2, 2.239_07, -13.507],
+        [30.937_6, 2.188_18, -13.580_7],
+        [30.922_5, 2.195_37, -13.591],
+        [30.868_1, 2.251_05, -13.733_7],
+        [30.700_3, 2.352_13, -13.621_7],
     ];
     let triangles = vec![[2, 1, 0], [0, 6, 2], [6, 5, 2], [4, 3, 2], [5, 4, 2]];
     let mesh = TriMesh { positions: positions.map(Vec3::from_array).to_vec(), triangles, ..TriMesh::default() };
+    let through =
+        Ray::new(Vec3::new(98.484_215, 61.946_224, 146.055_2), Vec3::new(-0.368_995_93, -0.325_729_52, -0.870_484));
+    let verdict = Reference::build(&geometry(&mesh)).judge(&through, &Hit::MISS);
+    assert!(matches!(verdict, Verdict::Agrees | Verdict::Undecidable(Cause::Crack, _)), "{verdict:?}");
     let scene = scene(mesh);
     let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(6400) };
     let findings = verify::fire_at_scene(&NativePath::default(), &scene, "fan.obj", &plan, &Observer::default());
