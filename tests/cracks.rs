@@ -288,6 +288,10 @@ fn a_slit_narrower_than_45_degrees_is_no_leak() {
     ];
     let triangles = vec![[2, 1, 0], [0, 6, 2], [6, 5, 2], [4, 3, 2], [5, 4, 2]];
     let mesh = TriMesh { positions: positions.map(Vec3::from_array).to_vec(), triangles, ..TriMesh::default() };
+    let through =
+        Ray::new(Vec3::new(98.484_215, 61.946_224, 146.055_2), Vec3::new(-0.368_995_93, -0.325_729_52, -0.870_484));
+    let verdict = Reference::build(&geometry(&mesh)).judge(&through, &Hit::MISS);
+    assert!(matches!(verdict, Verdict::Agrees | Verdict::Undecidable(Cause::Crack, _)), "{verdict:?}");
     let scene = scene(mesh);
     let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(6400) };
     let findings = verify::fire_at_scene(&NativePath::default(), &scene, "fan.obj", &plan, &Observer::default());

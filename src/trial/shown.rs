@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::Ray;
+pub use crate::geometry::Ray;
 
 /// Start, direction and interval, for people.
 #[must_use]
@@ -17,6 +17,26 @@ pub fn ray(ray: &Ray) -> String {
 #[must_use]
 pub fn argument(ray: &Ray) -> String {
     format!("{},{},{},{}", list(ray.origin, ","), list(ray.dir, ","), of(ray.t_min), of(ray.t_max))
+}
+
+/// The ray of an [`argument`]; the interval may be left out.
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn read(text: &str) -> Result<Ray, String> {
+    let numbers = text.split(',').map(|x| x.trim().parse::<f32>()).collect::<Result<Vec<_>, _>>();
+    let numbers = numbers.map_err(|_| String::from("not numbers with commas between them"))?;
+    let (&[x, y, z, dx, dy, dz], ends) = numbers.split_first_chunk().ok_or("not six or eight numbers")?;
+    let mut ray = Ray::new(Vec3::new(x, y, z), Vec3::new(dx, dy, dz));
+    match *ends {
+        [] => {}
+        [t_min, t_max] => (ray.t_min, ray.t_max) = (t_min, t_max),
+        _ => return Err(String::from("not six or eight numbers")),
+    }
+    if !ray.origin.is_finite() || !ray.dir.is_finite() || ray.dir == Vec3::ZERO {
+        return Err(String::from("start and direction must be finite, and the direction not 0,0,0"));
+    }
+    if ray.t_min < ray.t_max { Ok(ray) } else { Err(String::from("t must begin before it ends")) }
 }
 
 /// The command line that sends the same ray through every path again. `scene` is the file as it was typed.
@@ -60,6 +80,18 @@ mod tests {
             want[..8].iter().map(|x| x.to_bits()).collect::<Vec<_>>()
         );
         assert_eq!(ray(&Ray::new(Vec3::X, Vec3::Y)), "from (1, 0, 0) along (0, 1, 0), t from 0 to inf");
+    }
+
+    #[test]
+    fn a_ray_has_six_numbers_or_eight() {
+        let sent = read("1,-2,3e-5,0,0,-1").expect("a ray");
+        assert_eq!((sent.origin, sent.dir), (Vec3::new(1.0, -2.0, 3e-5), -Vec3::Z));
+        assert_eq!((sent.t_min, sent.t_max), (0.0, f32::INFINITY));
+        let sent = read("0,0,0, 0,0,1, 0.5,inf").expect("a ray");
+        assert_eq!((sent.t_min, sent.t_max), (0.5, f32::INFINITY));
+        for text in ["", "1,2,3", "1,2,3,4,5,6,7", "a,0,0,0,0,1", "0,0,0,0,0,0", "0,0,nan,0,0,1", "0,0,0,0,0,1,2,1"] {
+            assert!(read(text).is_err(), "{text}");
+        }
     }
 
     #[test]

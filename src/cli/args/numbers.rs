@@ -1,9 +1,5 @@
 //! Numbers within their ranges.
 
-use glam::Vec3;
-
-use crate::geometry::Ray;
-
 fn parsed<T: std::str::FromStr>(text: &str) -> Result<T, String> {
     text.trim().parse().map_err(|_| String::from("not a number"))
 }
@@ -61,23 +57,6 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     if x >= 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number of at least 0")) }
 }
 
-/// A ray: start, direction and, where given, the interval of `t`.
-pub(super) fn ray(text: &str) -> Result<Ray, String> {
-    let numbers = text.split(',').map(parsed::<f32>).collect::<Result<Vec<_>, _>>();
-    let numbers = numbers.map_err(|_| String::from("not numbers with commas between them"))?;
-    let (&[x, y, z, dx, dy, dz], ends) = numbers.split_first_chunk().ok_or("not six or eight numbers")?;
-    let mut ray = Ray::new(Vec3::new(x, y, z), Vec3::new(dx, dy, dz));
-    match *ends {
-        [] => {}
-        [t_min, t_max] => (ray.t_min, ray.t_max) = (t_min, t_max),
-        _ => return Err(String::from("not six or eight numbers")),
-    }
-    if !ray.origin.is_finite() || !ray.dir.is_finite() || ray.dir == Vec3::ZERO {
-        return Err(String::from("start and direction must be finite, and the direction not 0,0,0"));
-    }
-    if ray.t_min < ray.t_max { Ok(ray) } else { Err(String::from("t must begin before it ends")) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,18 +74,6 @@ mod tests {
         );
         for text in ["1/0", "0/0", "1/", "/2", "1/2/3", "a/b"] {
             assert!(bound(text).is_err() && cutoff(text).is_err() && not_negative(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_ray_has_six_numbers_or_eight() {
-        let read = ray("1,-2,3e-5,0,0,-1").expect("a ray");
-        assert_eq!((read.origin, read.dir), (Vec3::new(1.0, -2.0, 3e-5), -Vec3::Z));
-        assert_eq!((read.t_min, read.t_max), (0.0, f32::INFINITY));
-        let read = ray("0,0,0, 0,0,1, 0.5,inf").expect("a ray");
-        assert_eq!((read.t_min, read.t_max), (0.5, f32::INFINITY));
-        for text in ["", "1,2,3", "1,2,3,4,5,6,7", "a,0,0,0,0,1", "0,0,0,0,0,0", "0,0,nan,0,0,1", "0,0,0,0,0,1,2,1"] {
-            assert!(ray(text).is_err(), "{text}");
         }
     }
 

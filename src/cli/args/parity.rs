@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use super::BvhArg;
-use super::numbers;
-use crate::geometry::Ray;
+use crate::trial::shown::{self, Ray};
 
 /// Trace the same rays by every path and judge what differs.
 #[derive(Debug, Args)]
@@ -34,7 +33,7 @@ pub(in crate::cli) struct ParityArgs {
     pub rays: u32,
 
     /// Send this ray alone: start, direction, and the interval of t [default: 0,inf]
-    #[arg(long, value_name = "X,Y,Z,DX,DY,DZ[,TMIN,TMAX]", value_parser = numbers::ray, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,Z,DX,DY,DZ[,TMIN,TMAX]", value_parser = shown::read, allow_hyphen_values = true,
           conflicts_with_all = ["rays", "width", "height"])]
     pub ray: Option<Ray>,
 

@@ -6,7 +6,7 @@ use super::SmallPicture;
 use super::choices::quality;
 use crate::accel::BuildQuality;
 use crate::cli::args::ParityArgs;
-use crate::geometry::Ray;
+use crate::trial::shown::Ray;
 
 /// Paths to be compared ray by ray.
 #[derive(Debug)]

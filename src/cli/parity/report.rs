@@ -10,11 +10,10 @@ use crate::accel::reference::{Cause, Fault};
 use crate::cli::options::Parity;
 use crate::cli::table::{counted, grouped};
 use crate::cli::warnings::Warnings;
-use crate::geometry::Ray;
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fault_name};
-use crate::trial::shown;
+use crate::trial::shown::{self, Ray};
 
 /// Everything a report is made from. `records` and `pixels` are in the order of the sets and the contenders.
 pub(super) struct Facts<'a> {

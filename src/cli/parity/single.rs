@@ -7,11 +7,10 @@ use crate::Result;
 use crate::accel::Coherence;
 use crate::accel::reference::{Contact, Examined, Reference, Verdict};
 use crate::cli::table::counted;
-use crate::geometry::Ray;
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::parity::{ask, cause_name, fault_name};
-use crate::trial::shown;
+use crate::trial::shown::{self, Ray};
 use crate::trial::verify::{Candidate, NativePath};
 
 /// Contacts that are listed.

@@ -20,6 +20,9 @@ const BATCHES: usize = 64;
 /// Rays traced together.
 const CHUNK: usize = 256;
 
+/// Units of [`Budget`] that a ray may take on the average of a batch: several times what one takes in a large model.
+const UNITS_A_RAY: u64 = 6_000;
+
 /// Units of [`Budget`] after which no more rays are traced together.
 const CHUNK_UNITS: u64 = 2_000_000;
 
@@ -61,7 +64,7 @@ pub fn fire<C: Candidate>(
             let mut rng = Rng::new(group.name(), i);
             let count = plan.rays.unwrap_or(plan.sized(2_000_000, 64_000)) as usize / BATCHES;
             let rays: Vec<Ray> = (0..count).map(|k| aim.ray(&mut rng, group == Group::Parity, k)).collect();
-            let budget = Budget::new(plan.sized(200_000_000, 6_000_000));
+            let budget = Budget::new(UNITS_A_RAY * count as u64);
             Ok(match group {
                 Group::SelfHits => target.left_behind(&arbiter, &rays, budget, &mut rng),
                 _ => target.judged(group, &arbiter, &rays, budget),
