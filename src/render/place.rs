@@ -55,7 +55,11 @@ impl Place {
         if !contacts.touches(object, primitive) {
             return None;
         }
-        let outward = Face::of(&scene.geometry, object, primitive).outward(point);
+        let own = Face::of(&scene.geometry, object, primitive);
+        if !contacts.may_meet(object, primitive, point, own.reach(point)) {
+            return None;
+        }
+        let outward = own.outward(point);
         let from_front = dir.dot(outward) < 0.0;
         let way = Through { face: (object, primitive), point, from_front, passed: 0, back: false };
         let mut place = Self::at(scene, contacts, way)?;

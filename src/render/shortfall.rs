@@ -170,10 +170,10 @@ type Steps = [u32; 2];
 
 impl Search<'_> {
     fn run(&mut self) -> Result<Option<Shortfall>> {
-        // The worst that are allowed decide nothing; the sample is of those beyond, evenly by rank, and of the worst one.
-        let ranks = self.candidates.len() - self.allowed;
+        // Evenly by rank, and the worst one.
+        let ranks = self.candidates.len();
         let count = ranks.min(SAMPLE);
-        let rank = |k: usize| self.allowed + (2 * k + 1) * ranks / (2 * count);
+        let rank = |k: usize| (2 * k + 1) * ranks / (2 * count);
         let sample: Vec<usize> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].1).collect();
         let bounds: Vec<f64> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].0).collect();
 
@@ -284,9 +284,10 @@ impl Search<'_> {
     /// Pixels of the picture that lack visible light, by what the first `count` of the sample lack; 0 where they are no more
     /// than allowed. One of a sample of many is no evidence.
     fn short(&self, lacks: &[f64], count: usize) -> usize {
-        let ranks = self.candidates.len() - self.allowed;
+        let ranks = self.candidates.len();
         let found = lacks[..count].iter().filter(|lacks| **lacks > VISIBLE).count();
-        if found == 0 || (found == 1 && count < ranks) { 0 } else { self.allowed + found * ranks / count }
+        let short = found * ranks / count;
+        if short <= self.allowed || (found == 1 && count < ranks) { 0 } else { short }
     }
 
     fn settings(&self, [deeper, lighter]: Steps) -> Settings {

@@ -133,6 +133,21 @@ impl Contacts {
         self.entry(object, primitive).is_some()
     }
 
+    /// Returns true if something else may lie at `point` of the face: a quick look before [`Contacts::faces_at`] and
+    /// [`Contacts::tangent_at`], which decide. `slack` is that of the former.
+    #[inline]
+    #[must_use]
+    pub fn may_meet(&self, object: u32, primitive: u32, point: DVec3, slack: f64) -> bool {
+        let Some(entry) = self.entry(object, primitive) else { return false };
+        let mut near = entry
+            .tangents
+            .iter()
+            .map(|&i| &self.tangents[i as usize])
+            .any(|tangent| point.distance_squared(tangent.contact) <= tangent.zone * tangent.zone);
+        entry.partners.near(point, |partner| near = near || self.faces[partner as usize].face.covers(point, slack));
+        near
+    }
+
     /// Puts into `faces` the faces that lie at `point` of the given face, its own first. One of each object and side; one of
     /// each object that is two-sided. The point counts as on a face that ends up to `slack` before it (scene units).
     pub fn faces_at(&self, object: u32, primitive: u32, point: DVec3, slack: f64, faces: &mut Vec<Face>) {
