@@ -55,7 +55,7 @@ pub struct Shortfall {
     pub of: u64,
     /// Column and row of the worst pixel that was found.
     pub worst: [u32; 2],
-    /// The light it lacks or may lack, in units of [`VISIBLE`]'s whole.
+    /// The light it lacks or may lack, as a share of display white or of its own light where that is brighter.
     pub lacks: f64,
     /// The limit that ended most of the light that is missing.
     pub limit: Limit,
