@@ -11,7 +11,7 @@ use crate::Error;
 use crate::Result;
 use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
-use crate::render::{self, Observer, Options, Outcome, Shortfall};
+use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
 use crate::system::threads;
@@ -227,7 +227,8 @@ fn look<I: Intersector>(
     exposure: f32,
     outcome: &mut Outcome,
 ) -> Result<()> {
-    let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, accel, options, observer, which);
+    let pixels = Pixels::new(accel, options, observer);
+    let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
     outcome.shortfall = interrupt::heeded(|| Shortfall::of(scene, options, outcome, exposure, &again))?;
     Ok(())
 }

@@ -8,7 +8,7 @@ use crate::Result;
 use crate::accel::{Unbounded, native::Native};
 use crate::effects;
 use crate::load::LoadReport;
-use crate::render::{self, Observer, Options, Shortfall};
+use crate::render::{self, Observer, Options, Pixels, Shortfall};
 use crate::scene::{Scene, Settings};
 
 /// Pixels along each side of the first picture, at most.
@@ -32,7 +32,8 @@ pub fn survey(
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
         let mut outcome = render::render(scene, &accel, &options, observer)?;
-        let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, &accel, &options, observer, which);
+        let pixels = Pixels::new(&accel, &options, observer);
+        let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
         outcome.shortfall = Shortfall::of(scene, &options, &outcome, 1.0, &again)?;
         Ok(of_picture(&Facts { file, scene, report, options: &options }, &outcome))
     };

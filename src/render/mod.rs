@@ -53,6 +53,7 @@ pub use room::need;
 pub use shortfall::{Again, Cure, Shortfall};
 pub use unmatched::UnmatchedExits;
 
+use std::cell::OnceCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -90,8 +91,8 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     room::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
-    let (contacts, touching) = contacts(scene, options);
-    let parts = each(scene, accel, &contacts, options, observer, &tiles, &|tile| _ = done(tile))?;
+    let ready = Ready::of(scene, accel, options).with_shafts(scene, accel);
+    let parts = each(scene, accel, &ready, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
     let mut truncated = Film::new(settings.width, settings.height);
@@ -121,33 +122,81 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         unmatched_exits: tally.unmatched_exits.total(),
         unmatched_objects: tally.unmatched_exits.worst_first(),
         streams: tally.streams,
-        touching,
+        touching: ready.touching,
         seen: tally.seen,
     })
 }
 
-/// Some pixels of the picture that [`render`] makes, by column and row from 0 at the upper left, to the bit; and how many
-/// rays they took.
-///
-/// # Errors
-/// As [`render`].
-pub fn pixels<I: Intersector>(
-    scene: &Scene,
-    accel: &I,
-    options: &Options,
-    observer: &Observer,
-    which: &[[u32; 2]],
-) -> Result<Again> {
-    let scene = &*effects::without(scene, options.effects.without);
-    let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-    let (contacts, _) = contacts(scene, options);
-    let parts = each(scene, accel, &contacts, options, observer, &tiles, &|_| ())?;
-    let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
-    for (results, tally) in parts {
-        again.rays += tally.rays.total();
-        results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
+/// Renders pixels of one scene time and again, under one set of limits or another.
+pub struct Pixels<'a, I: Intersector> {
+    accel: &'a I,
+    options: &'a Options,
+    observer: &'a Observer,
+    ready: OnceCell<Ready<'a>>,
+}
+
+impl<'a, I: Intersector> Pixels<'a, I> {
+    /// With what [`render`] would be called with. Nothing is done yet.
+    #[must_use]
+    pub fn new(accel: &'a I, options: &'a Options, observer: &'a Observer) -> Self {
+        Self { accel, options, observer, ready: OnceCell::new() }
     }
-    Ok(again)
+
+    /// Some pixels of the picture that [`render`] makes, by column and row from 0 at the upper left, to the bit; and how
+    /// many rays they took. The scene must be that of earlier calls, but for the depth limit and the weight cut-off.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn render(&self, scene: &Scene, which: &[[u32; 2]]) -> Result<Again> {
+        let &Self { accel, options, observer, .. } = self;
+        let scene = &*effects::without(scene, options.effects.without);
+        let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
+        let ready = self.ready.get_or_init(|| Ready::of(scene, accel, options).with_shafts(scene, accel));
+        let parts = each(scene, accel, ready, options, observer, &tiles, &|_| ())?;
+        let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
+        for (results, tally) in parts {
+            again.rays += tally.rays.total();
+            results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
+        }
+        Ok(again)
+    }
+}
+
+/// What is known of a scene before its first ray. Limits do not matter to it.
+struct Ready<'a> {
+    bodies: Bodies,
+    contacts: Contacts,
+    touching: TouchingFound,
+    /// Bodies around the eye, the outermost first.
+    eye: Vec<u32>,
+    /// Where lamps are looked at through them.
+    shafts: Option<Shafts<'a>>,
+}
+
+impl<'a> Ready<'a> {
+    /// Of a scene from which nothing is left to be left out.
+    fn of<I: Intersector>(scene: &Scene, accel: &I, options: &Options) -> Self {
+        let bodies = Bodies::of(scene);
+        let (contacts, touching) = contacts(scene, options);
+        let eye = eye::bodies_around(scene, accel, &bodies, &contacts);
+        Self { bodies, contacts, touching, eye, shafts: None }
+    }
+
+    /// The same with shafts where the scene calls for them.
+    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Self {
+        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
+        Self { shafts, ..self }
+    }
+
+    /// The functions that the scene calls for.
+    fn stages(&self, scene: &Scene, options: &Options) -> Stages {
+        let media: Vec<u32> = self.eye.iter().map(|&body| self.bodies.medium(body)).collect();
+        Stages::of(scene, &Reach::of(scene), &media, !self.contacts.is_empty(), options)
+    }
+
+    fn media(&self) -> Media<'_> {
+        Media { bodies: &self.bodies, contacts: &self.contacts, eye: &self.eye }
+    }
 }
 
 /// Renders tiles of a scene from which nothing is left to be left out: one list of results, and what was counted, for each
@@ -155,24 +204,20 @@ pub fn pixels<I: Intersector>(
 fn each<I: Intersector>(
     scene: &Scene,
     accel: &I,
-    contacts: &Contacts,
+    ready: &Ready,
     options: &Options,
     observer: &Observer,
     tiles: &[Tile],
     done: &(dyn Fn(&Tile) + Sync),
 ) -> Result<Vec<(Vec<TileResult>, Tally)>> {
     let tolls = Ceiling::asked(scene, options)?;
-    let bodies = Bodies::of(scene);
-    let eye_bodies = eye::bodies_around(scene, accel, &bodies, contacts);
-    let stages = stages(scene, &eye_bodies, &bodies, contacts, options);
-    let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
+    let (stages, media) = (ready.stages(scene, options), ready.media());
     let next = AtomicUsize::new(0);
     let samples = scene.settings.samples * scene.settings.samples;
 
     let work = || -> Result<(Vec<TileResult>, Tally)> {
-        let media = Media { bodies: &bodies, contacts, eye: &eye_bodies };
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
-        worker.shading.shafts = shafts.as_ref();
+        worker.shading.shafts = ready.shafts.as_ref();
         let mut results = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
@@ -215,16 +260,14 @@ pub fn recorded<I: Intersector>(
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
     let scene = &*effects::without(scene, options.effects.without);
-    let (bodies, (contacts, _)) = (Bodies::of(scene), contacts(scene, options));
-    let eye_bodies = eye::bodies_around(scene, accel, &bodies, &contacts);
-    let stages = stages(scene, &eye_bodies, &bodies, &contacts, options);
+    let ready = Ready::of(scene, accel, options);
+    let (stages, media) = (ready.stages(scene, options), ready.media());
     if stages.carries {
         return Err(Error::Usage(String::from(
             "the rays of a pixel are written down in eight lanes neither with polarisation nor under a proven cut-off; \
              take another --fresnel",
         )));
     }
-    let media = Media { bodies: &bodies, contacts: &contacts, eye: &eye_bodies };
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
@@ -241,12 +284,6 @@ fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
     let contacts = effects::contacts(scene);
     let found = TouchingFound { pairs: contacts.pairs().len(), time: start.elapsed() };
     (contacts, found)
-}
-
-/// The functions that a scene calls for.
-fn stages(scene: &Scene, eye_bodies: &[u32], bodies: &Bodies, contacts: &Contacts, options: &Options) -> Stages {
-    let eye_media: Vec<u32> = eye_bodies.iter().map(|&body| bodies.medium(body)).collect();
-    Stages::of(scene, &Reach::of(scene), &eye_media, !contacts.is_empty(), options)
 }
 
 /// What a thread counted.

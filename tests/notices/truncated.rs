@@ -3,7 +3,7 @@
 use super::support::{Folder, ids, notices_of};
 use vitrum::accel::{Unbounded, native::Native};
 use vitrum::load::{self, LoadOptions};
-use vitrum::render::{self, Limit, Observer, Options, Outcome, Reflection, Shortfall};
+use vitrum::render::{self, Limit, Observer, Options, Outcome, Pixels, Reflection, Shortfall};
 use vitrum::scene::{Scene, Settings};
 
 /// So many panes of index 1.5 before a wall of radiance `emission`, looked through along their normal.
@@ -41,7 +41,8 @@ fn picture(scene: &Scene, options: &Options, exposure: f32) -> Outcome {
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
     let observer = Observer::default();
     let mut outcome = render::render(scene, &accel, options, &observer).expect("nobody interrupts a test");
-    let again = |scene: &Scene, which: &[[u32; 2]]| render::pixels(scene, &accel, options, &observer, which);
+    let pixels = Pixels::new(&accel, options, &observer);
+    let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
     outcome.shortfall = Shortfall::of(scene, options, &outcome, exposure, &again).expect("nobody interrupts a test");
     outcome
 }
