@@ -175,9 +175,25 @@ impl Place {
     pub fn sides(&self, dir: DVec3) -> (Vec<(u32, bool)>, f64) {
         let point = self.way.point;
         let faces = || self.faces.iter().flatten();
-        let sides = faces().map(|face| (face.object, face.outward(point).dot(dir) < 0.0)).collect();
+        let sides = faces().map(|face| (face.object, self.is_outside(face, dir))).collect();
         let apart = faces().map(|face| face.height(point).abs() + face.reach(point)).fold(0.0, f64::max);
         (sides, 2.0 * apart)
+    }
+
+    /// Returns true if a ray into `dir` arrives on the outside of a face of the place.
+    #[must_use]
+    pub fn is_outside(&self, face: &Face, dir: DVec3) -> bool {
+        face.outward(self.way.point).dot(dir) < 0.0
+    }
+
+    /// The bodies that a ray into `dir` crosses at once with the faces of a layer of media, in order, each with true if it
+    /// is entered. `body_of` gives the body of an object.
+    #[must_use]
+    pub fn crossed(&self, faces: &[Face], dir: DVec3, body_of: impl Fn(u32) -> Option<u32>) -> Vec<(u32, bool)> {
+        let mut crossed: Vec<(u32, bool)> =
+            faces.iter().map(|face| (body_of(face.object).unwrap_or(0), self.is_outside(face, dir))).collect();
+        crossed.sort_unstable();
+        crossed
     }
 
     /// The point of the place, in scene units.

@@ -36,8 +36,8 @@ impl<I: Intersector> Worker<'_, I> {
         blocked.resize(chunk.rays.len(), Mask8::NONE);
         self.cut_short(chunk);
         if self.stages.march.is_none() && self.stages.touching {
-            // Whatever the ray is still to pass at its start stops it.
-            self.shading.shadow_arrivals.stop(chunk);
+            // Whatever the ray is still to pass at its start stops it: what is held back is not put back.
+            self.shading.shadow_arrivals.hold_back(chunk);
         }
         self.accel.occluded(&chunk.rays, &mut blocked, coherence, &mut self.scratch);
         self.restore(chunk);

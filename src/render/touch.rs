@@ -105,11 +105,6 @@ impl Arrivals {
         }
     }
 
-    /// Ends the rays of a chunk that are still on their way through a place.
-    pub fn stop(&mut self, chunk: &mut Chunk) {
-        self.hold_back(chunk);
-    }
-
     /// Puts back what was held, and takes every hit at a place where surfaces touch to the layer that counts.
     pub fn arrive(&mut self, shading: &mut Shading, chunk: &mut Chunk, hits: &mut [Hit8]) {
         let contacts = shading.touching.contacts;
@@ -165,14 +160,12 @@ impl Arrivals {
     /// Writes down the arrival at the present layer of a place, and gives the hit that stands for it.
     fn take(&mut self, shading: &mut Shading, chunk: &Chunk, place: &Place, at: HitRef, dir: DVec3, t: f32) -> Hit {
         let point = place.point();
-        let outside = |face: &Face| face.outward(point).dot(dir) < 0.0;
+        let outside = |face: &Face| place.is_outside(face, dir);
         let (face, crossed) = match place.layer() {
             Layer::Alone(face) => (*face, Vec::new()),
             Layer::Media(faces) if faces.len() == 1 => (faces[0], Vec::new()),
             Layer::Media(faces) => {
-                let body = |face: &Face| shading.media.body_of(face.object).unwrap_or(0);
-                let mut crossed: Vec<(u32, bool)> = faces.iter().map(|face| (body(face), outside(face))).collect();
-                crossed.sort_unstable();
+                let crossed = place.crossed(faces, dir, |object| shading.media.body_of(object));
                 let stack = chunk.states[at as usize / 8].stack[at as usize % 8];
                 let sides = shading.media.cross_all(stack, &crossed).media;
                 (*governing(shading.scene, faces, sides, outside), crossed)

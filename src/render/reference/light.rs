@@ -214,10 +214,9 @@ impl Marched<'_> {
             match here.layer() {
                 Layer::Alone(face) => self.cross_face(face.object, face.outward(here.point())),
                 Layer::Media(faces) => {
-                    let outside = |face: &Face| face.outward(here.point()).dot(self.ray.dir) < 0.0;
-                    let body = |face: &Face| self.prepared.bodies.of_object(face.object).unwrap_or(0);
-                    let mut crossed: Vec<(u32, bool)> = faces.iter().map(|f| (body(f), outside(f))).collect();
-                    crossed.sort_unstable();
+                    let outside = |face: &Face| here.is_outside(face, self.ray.dir);
+                    let body = |object| self.prepared.bodies.of_object(object);
+                    let crossed = here.crossed(faces, self.ray.dir, body);
                     let meeting = self.stack.meet_all(self.prepared.filled(), &crossed);
                     let sides = match &meeting {
                         Meeting::Boundary { from, to, .. } => [*from, *to],

@@ -222,13 +222,11 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             let surface = surface.expect("layers of a place are there as long as a ray is between them");
             return (hit.geometry, hit.primitive, surface, Reached::default());
         };
-        let outside = |face: &Face| face.outward(place.point()).dot(ray.dir) < 0.0;
+        let outside = |face: &Face| place.is_outside(face, ray.dir);
         let (face, meeting) = match place.layer() {
             Layer::Alone(face) => (face, None),
             Layer::Media(faces) => {
-                let body = |face: &Face| prepared.bodies.of_object(face.object).unwrap_or(0);
-                let mut crossed: Vec<(u32, bool)> = faces.iter().map(|face| (body(face), outside(face))).collect();
-                crossed.sort_unstable();
+                let crossed = place.crossed(faces, ray.dir, |object| prepared.bodies.of_object(object));
                 let meeting = ray.stack.meet_all(filled, &crossed);
                 let sides = match &meeting {
                     Meeting::Boundary { from, to, .. } => [*from, *to],
