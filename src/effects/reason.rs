@@ -25,7 +25,7 @@ impl<'a> Facts<'a> {
     pub fn new(scene: &'a Scene, reach: &'a Reach, touching: &'a [Pair]) -> Self {
         let mut media = vec![0];
         media.extend(scene.camera.medium);
-        media.extend((0..scene.objects.len()).filter(|&o| reach.meets(o)).filter_map(|o| medium_of(scene, o)));
+        media.extend((0..scene.objects.len()).filter(|&o| reach.meets(o)).filter_map(|o| scene.medium_of(o)));
         media.sort_unstable();
         media.dedup();
         Self { scene, reach, touching, media }
@@ -98,7 +98,7 @@ impl<'a> Facts<'a> {
     pub fn stack(&self) -> Answer {
         let scene = self.scene;
         let solids: Vec<(usize, Option<Aabb>)> = (0..scene.objects.len())
-            .filter(|&o| self.reach.meets(o) && medium_of(scene, o).is_some())
+            .filter(|&o| self.reach.meets(o) && scene.medium_of(o).is_some())
             .map(|o| (o, bounds(&scene.geometry[o].shape)))
             .collect();
         if solids.is_empty() {
@@ -110,7 +110,7 @@ impl<'a> Facts<'a> {
         }
         let surrounding = scene.media[0].priority;
         let yields = |&&(o, _): &&(usize, Option<Aabb>)| {
-            medium_of(scene, o).is_some_and(|m| scene.media[m as usize].priority < surrounding)
+            scene.medium_of(o).is_some_and(|m| scene.media[m as usize].priority < surrounding)
         };
         if let Some(&(o, _)) = solids.iter().find(yields) {
             return (
@@ -247,12 +247,12 @@ impl<'a> Facts<'a> {
     fn refraction(&self) -> Answer {
         let scene = self.scene;
         let differs = |o: usize| {
-            medium_of(scene, o).and_then(|m| {
+            scene.medium_of(o).and_then(|m| {
                 let ior = scene.media[m as usize].ior;
                 self.media.iter().copied().find(|&other| scene.media[other as usize].ior != ior).map(|other| (m, other))
             })
         };
-        let (any, why) = self.objects(|o| medium_of(scene, o).is_some(), "is transparent", "no solid is transparent");
+        let (any, why) = self.objects(|o| scene.medium_of(o).is_some(), "is transparent", "no solid is transparent");
         let bending = (0..scene.objects.len()).filter(|&o| self.reach.meets(o)).find_map(|o| Some((o, differs(o)?)));
         match bending {
             Some((o, (m, other))) => {
@@ -332,10 +332,6 @@ fn material(scene: &Scene, object: usize) -> &Material {
 
 fn interface(scene: &Scene, object: usize) -> &Interface {
     &material(scene, object).interface
-}
-
-fn medium_of(scene: &Scene, object: usize) -> Option<u32> {
-    if let Interface::Dielectric { medium, .. } = *interface(scene, object) { Some(medium) } else { None }
 }
 
 /// Whether a shape is known to enclose what is inside it.

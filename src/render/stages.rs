@@ -18,7 +18,7 @@ use super::through::{self, FinishStage, PassStage};
 use crate::effects::{Pipeline, Reach};
 use crate::geometry::GeometryMask;
 use crate::optics::{FresnelModel, RefractionModel};
-use crate::scene::{Colour, Interface, Light, Material, Rgb, Scene, ShadowRule};
+use crate::scene::{Colour, Light, Material, Rgb, Scene, ShadowRule};
 
 /// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
 /// surfaces stay in the first-level cache.
@@ -129,10 +129,7 @@ impl<'a> Call<'a> {
 
     /// Media that rays can get into.
     fn media(self) -> impl Iterator<Item = u32> {
-        self.objects().filter_map(move |o| match self.material(o).interface {
-            Interface::Dielectric { medium, .. } => Some(medium),
-            _ => None,
-        })
+        self.objects().filter_map(move |o| self.scene.medium_of(o))
     }
 
     /// The shapes of some objects.

@@ -10,7 +10,7 @@ use super::sample::Rng;
 use crate::accel::reference::{Budget, Hit64, Ray64, Reference};
 use crate::geometry::topology::{Edges, place};
 use crate::geometry::{Geometry, GeometryMask, Shape};
-use crate::scene::{Interface, Scene};
+use crate::scene::Scene;
 
 /// Times as long as high: rounding may then move a hit by hundreds of its spacings.
 const SLIVER: f64 = 1000.0;
@@ -143,7 +143,7 @@ pub fn find(scene: &Scene) -> Troubles {
                 seen.insert(key, (id, i as u32));
             }
         }
-        if medium_of(scene, id).is_some() {
+        if scene.medium_of(id as usize).is_some() {
             for i in Edges::usable(mesh).open_triangles() {
                 tell(Kind::OpenEdge, i, String::new());
             }
@@ -163,15 +163,6 @@ fn length_over_height([a, b, c]: [Vec3; 3]) -> f64 {
     longest / twice_area
 }
 
-/// The medium inside an object, where it has one.
-fn medium_of(scene: &Scene, geometry: u32) -> Option<u32> {
-    let material = &scene.materials[scene.objects[geometry as usize].material as usize];
-    match material.interface {
-        Interface::Dielectric { medium, .. } => Some(medium),
-        _ => None,
-    }
-}
-
 /// How near to each other two faces coincide, in lengths of the scene.
 const COINCIDENT: f64 = 1e-7;
 
@@ -186,7 +177,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
         Shape::Sphere(sphere) => sphere.is_usable(),
         Shape::Plane(_) => false,
     };
-    let closed_medium = |(id, g): (u32, &Geometry)| medium_of(scene, id).filter(|_| is_closed(&g.shape));
+    let closed_medium = |(id, g): (u32, &Geometry)| scene.medium_of(id as usize).filter(|_| is_closed(&g.shape));
     let media: Vec<Option<u32>> = (0..).zip(&scene.geometry).map(closed_medium).collect();
     if media.iter().flatten().count() < 2 {
         return (Vec::new(), 0);
