@@ -46,7 +46,7 @@ impl Folder {
 #[derive(Clone, Copy, Debug)]
 struct Offset([i64; 3]);
 
-/// Where a map of Germany has Augsburg, with y up.
+/// The place of Augsburg on a map of Germany, with y up.
 const SURVEY: Offset = Offset([451_234_500_000, 32_000_000, 5_411_234_250_000]);
 const NONE: Offset = Offset([0; 3]);
 

@@ -22,8 +22,8 @@ use vitrum::scene::Scene;
 /// Most that a channel of a pixel may differ, in radiance.
 const TOLERANCE: f64 = 5e-4;
 
-/// How far a camera ray is moved to see whether a pixel is well-conditioned, in ulps of 1: at each of two balls a ray starts
-/// up to 7 of them off the surface.
+/// Distance that a camera ray is moved to see if a pixel is well-conditioned, in ulps of 1: at each of two balls a ray
+/// starts up to 7 of them off the surface.
 const ULPS: f64 = 16.0;
 
 /// A picture of the reference folder: linear radiance in rows from the top.

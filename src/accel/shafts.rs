@@ -6,7 +6,7 @@ use super::Intersector;
 use super::native::Native;
 use crate::geometry::{Content, Geometry, GeometryMask, Plane, Shaft, Shape};
 
-/// What shafts are looked through for: native's hierarchy, the back end's own where it has one, and the infinite planes.
+/// Shapes that shafts are searched for: native's hierarchy, the back end's own if it has one, and the infinite planes.
 #[derive(Debug)]
 pub struct Shafts<'a> {
     native: Cow<'a, Native>,
@@ -25,7 +25,7 @@ impl<'a> Shafts<'a> {
         Self { native, planes: geometry.iter().filter_map(plane).collect() }
     }
 
-    /// What is in a shaft; shapes that `blocks` meets stop light.
+    /// The content of a shaft; shapes that `blocks` meets stop light.
     #[must_use]
     pub fn content(&self, shaft: &Shaft, blocks: GeometryMask) -> Content {
         let mut found = Content::Empty;

@@ -6,12 +6,12 @@ use crate::simd::level;
 use crate::trial::machine::{self, Embree};
 use crate::{Error, Result};
 
-/// Which back end to choose. README.md has the measurements.
+/// Advice on the back end. README.md has the measurements.
 #[cfg(feature = "embree")]
 const CHOICE: &str = "--backend native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
                       a build without the feature `embree` has it as its default";
 
-/// Which back end to choose. README.md has the measurements.
+/// Advice on the back end. README.md has the measurements.
 #[cfg(not(feature = "embree"))]
 const CHOICE: &str = "native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
                       a build with `--features embree` has --backend embree, too, as its default";
@@ -28,7 +28,7 @@ struct Findings {
     backends: Vec<&'static str>,
     /// The one that traces where `--backend` does not say otherwise.
     default_backend: &'static str,
-    /// Which back end to choose, and how.
+    /// Advice on the back end to choose.
     choice: &'static str,
     /// None where it was not found or not built in.
     embree: Option<Embree>,

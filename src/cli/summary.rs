@@ -47,7 +47,7 @@ pub(super) struct Summary<'a> {
     size: Size,
     /// World coordinates of the place that was taken for (0, 0, 0).
     origin: [f64; 3],
-    /// What a length of 1 is in the world.
+    /// Length in the world of 1 in the scene.
     unit: f64,
     /// None where the back end keeps its tree to itself.
     tree: Option<Tree>,

@@ -1,4 +1,4 @@
-//! Which touching surfaces change a picture.
+//! Touching surfaces that change a picture.
 
 use crate::geometry::contact::Contacts;
 use crate::scene::{Interface, Material, Scene};

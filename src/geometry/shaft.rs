@@ -16,7 +16,7 @@ const GRAZING: f32 = 2e-6;
 /// `before_lamp` takes off.
 const SHORTER: f32 = 5e-7;
 
-/// What a shaft holds.
+/// The content of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Nothing: no ray in it meets anything.
@@ -122,7 +122,7 @@ impl Shaft {
         !out.bits()
     }
 
-    /// What of eight triangles is in the shaft; `slots` has those that there are, `blocks` those that stop light.
+    /// The content of the shaft out of eight triangles; `slots` has those that there are, `blocks` those that stop light.
     #[must_use]
     pub fn triangles(&self, corners: &[Vec3x8; 3], slots: u8, blocks: u8) -> Content {
         let from = Vec3x8::splat(self.from);
@@ -189,7 +189,7 @@ impl Shaft {
         covers
     }
 
-    /// What of eight spheres is in the shaft.
+    /// The content of the shaft out of eight spheres.
     #[must_use]
     pub fn spheres(&self, centre: Vec3x8, radius: F32x8, slots: u8, blocks: u8) -> Content {
         let at = centre - Vec3x8::splat(self.from);
@@ -223,7 +223,7 @@ impl Shaft {
         if covers != 0 { Content::Covered } else { Content::Mixed }
     }
 
-    /// What of an infinite plane is in the shaft.
+    /// The content of the shaft out of one infinite plane.
     #[must_use]
     pub fn plane(&self, plane: &Plane, blocks: bool) -> Content {
         let off = plane.point - self.from;
@@ -249,12 +249,12 @@ impl Shaft {
         }
     }
 
-    /// Whether a plane so high below the apex, with the corners at these heights on the other side, is in front of the lamp.
+    /// Returns true if a plane `height` below the apex, with the corners at `heights` beyond it, is in front of the lamp.
     fn is_before(&self, height: f32, heights: [f32; 4]) -> bool {
         heights.iter().all(|h| height < (height - h) * self.stop)
     }
 
-    /// Whether all of the lamp lies below a plane through the apex with this normal.
+    /// Returns true if all of the lamp lies below a plane through the apex with this normal.
     #[must_use]
     pub fn is_below(&self, normal: Vec3) -> bool {
         let below = |corner: &Vec3| corner.dot(normal) < -ROUNDING * corner.abs().element_sum();

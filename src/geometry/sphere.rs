@@ -23,7 +23,7 @@ impl Sphere {
         Aabb { lo: grow(self.centre - self.radius, next_down), hi: grow(self.centre + self.radius, next_up) }
     }
 
-    /// Whether rays can meet it: a radius that is a normal number above zero, and all of it within
+    /// Returns true if rays can meet it: its radius is a normal number above zero, and all of it is within
     /// [`COORDINATE_LIMIT`].
     #[must_use]
     pub fn is_usable(&self) -> bool {

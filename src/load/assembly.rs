@@ -50,7 +50,7 @@ pub(super) struct Pending {
     pub origin: Origin,
     /// Bend in degrees up to which faces without normals are shaded smoothly.
     pub smooth: Option<f64>,
-    /// Whether it is to be turned inside out.
+    /// True if it is to be turned inside out.
     pub flip: bool,
 }
 

@@ -19,7 +19,7 @@ pub(super) fn rounded(place: DVec3, keep: bool) -> DVec3 {
 /// A mesh whose corners are places in the world.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshDraft {
-    /// What will be the positions of `mesh`.
+    /// The later positions of `mesh`.
     pub corners: Vec<DVec3>,
     /// All else; no positions yet.
     pub mesh: TriMesh,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// How many times its own size a thing may lie from 0 before it counts as far. Nearer ones lose no more than 4e-6 of their size
+/// Distance from 0, in its own sizes, from which a thing counts as far. Nearer ones lose no more than 4e-6 of their size
 /// as `f32`.
 pub(super) const FAR: f64 = 64.0;
 /// The largest magnitude of a coordinate of a model by itself, whose unit is free: squares stay finite in `f64`.
@@ -46,18 +46,18 @@ impl Extent {
         (self.lo - origin).abs().max((self.hi - origin).abs()).max_element()
     }
 
-    /// Whether a coordinate exceeds 64 times its size.
+    /// Returns true if a coordinate exceeds 64 times its size.
     pub(super) fn is_far(&self) -> bool {
         !self.is_empty() && self.reach(DVec3::ZERO) > FAR * self.size()
     }
 
-    /// Whether `f32` holds what is in it to within 4e-6 of its size: it is neither far nor next to nothing.
+    /// Returns true if `f32` holds its points to within 4e-6 of its size: it is neither far nor next to nothing.
     pub(super) fn suits_f32(&self) -> bool {
         !self.is_far() && self.size() > f64::from(f32::MIN_POSITIVE) * f64::from(1 << 24)
     }
 }
 
-/// Whether no coordinate is beyond `limit`.
+/// Returns true if no coordinate is beyond `limit`.
 pub(super) fn within(p: DVec3, limit: f64) -> bool {
     p.abs().cmple(DVec3::splat(limit)).all()
 }

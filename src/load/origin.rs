@@ -5,10 +5,10 @@ use glam::DVec3;
 use super::extent::Extent;
 use crate::math::ulp;
 
-/// What rounding may take of the size of a shape before it is worth a warning.
+/// Share of the size of a shape that rounding may take before it is worth a warning.
 const TOLERABLE: f64 = 1e-3;
 
-/// What of the size of a shape its coordinates are rounded by.
+/// The rounding of a shape's coordinates against its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Loss {
     /// By how much they are rounded, at most.
@@ -17,12 +17,12 @@ pub(super) struct Loss {
     pub size: f64,
     /// Its largest coordinate, from the scene's origin.
     pub reach: f64,
-    /// Whether `f64` rounds them by more than `f32` does afterwards.
+    /// True if `f64` rounds them by more than `f32` does afterwards.
     pub as_read: bool,
 }
 
 impl Loss {
-    /// What the shape in a box loses in `frame`; none for planes.
+    /// The loss of the shape in a box in `frame`; none for planes.
     pub(super) fn of(extent: &Extent, frame: Frame) -> Option<Self> {
         if extent.is_empty() {
             return None;
@@ -39,7 +39,7 @@ impl Loss {
         self.rounding / self.size
     }
 
-    /// Whether it is worth a warning.
+    /// Returns true if it is worth a warning.
     pub(super) fn is_large(&self) -> bool {
         self.rounding > TOLERABLE * self.size
     }
@@ -102,7 +102,7 @@ impl Frame {
         Self { origin, unit_exponent: 0 }
     }
 
-    /// What a length of 1 is in the world.
+    /// Length in the world of 1 in the frame.
     pub(super) fn unit(self) -> f64 {
         f64::from(self.unit_exponent).exp2()
     }

@@ -65,7 +65,7 @@ pub struct Model {
     pub dropped: u64,
 }
 
-/// How a mesh encloses a medium.
+/// The way a mesh encloses a medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hull {
     /// Every edge is shared by triangles of one winding, and faces point outwards.

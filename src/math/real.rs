@@ -8,7 +8,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 /// lane and on eight alike, and the bounds that rest on it are weaker.
 pub const FUSED: bool = cfg!(any(target_feature = "fma", all(target_arch = "aarch64", target_feature = "neon")));
 
-/// Where an `f32` has its exponent.
+/// The bits of an `f32` that hold its exponent.
 pub(crate) const EXPONENT_BITS: u32 = 0x7f80_0000;
 
 /// The bits of a power of two and those of its inverse add up to this.

@@ -40,14 +40,14 @@ impl Place {
 /// A fault that a check found. The three texts are parts of one sentence, without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Finding {
-    /// Where it is.
+    /// The place of the fault.
     #[serde(flatten)]
     pub place: Place,
     /// The fault, with the names of the objects, materials or lights concerned in backquotes.
     pub wrong: String,
     /// Its most likely reason; empty where `wrong` leaves none open.
     pub because: String,
-    /// What the user can do.
+    /// The cure: a change that the user can make.
     pub cure: String,
 }
 

@@ -1,4 +1,4 @@
-//! Where a box lies in the picture.
+//! The position of a box in the picture.
 
 use glam::DVec3;
 

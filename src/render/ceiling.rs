@@ -256,7 +256,7 @@ fn nearest(lamp: DVec3, shape: &Shape) -> f64 {
     }
 }
 
-/// What a start lies off a sphere or a plane at most, in proportion to its coordinates: `geometry::Spot` has 14 roundings,
+/// Largest distance of a start from a sphere or plane, in proportion to its coordinates: `geometry::Spot` has 14 roundings,
 /// and the place itself is off by as many again at worst.
 const OFF: f64 = 2e-6;
 

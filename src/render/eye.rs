@@ -1,4 +1,4 @@
-//! Which bodies the eye is in.
+//! Bodies that the eye is in.
 
 use glam::{DVec3, Vec3};
 

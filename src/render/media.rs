@@ -208,7 +208,7 @@ impl<'a> MediaTable<'a> {
         self.bodies.of_object(object)
     }
 
-    /// What happens to a ray in `stack` at a surface of `body`, which it enters or leaves.
+    /// The transition of a ray in `stack` at a surface of `body`, which it enters or leaves.
     #[inline]
     pub fn cross(&mut self, stack: StackId, body: u32, entering: bool) -> Transition {
         let slot = body as usize * 2 + usize::from(entering);
@@ -220,7 +220,7 @@ impl<'a> MediaTable<'a> {
         new
     }
 
-    /// What happens to a ray in `stack` where the surfaces of several bodies coincide: all that it leaves are removed and
+    /// The transition of a ray in `stack` where surfaces of several bodies coincide: all that it leaves are removed and
     /// all that it enters are added, then the media before and behind make one boundary. Equal media make none.
     pub fn cross_all(&mut self, stack: StackId, surfaces: &[(u32, bool)]) -> Transition {
         let key = (stack, surfaces.to_vec());

@@ -162,14 +162,14 @@ impl<'a, I: Intersector> Pixels<'a, I> {
     }
 }
 
-/// What is known of a scene before its first ray. Limits do not matter to it.
+/// Facts of a scene that are found before its first ray. Limits do not matter to them.
 struct Ready<'a> {
     bodies: Bodies,
     contacts: Contacts,
     touching: TouchingFound,
     /// Bodies around the eye, the outermost first.
     eye: Vec<u32>,
-    /// Where lamps are looked at through them.
+    /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
 }
 

@@ -51,7 +51,7 @@ pub struct Shading<'a> {
     pub media: MediaTable<'a>,
     /// Touching surfaces, and the rays between their layers.
     pub touching: Touching<'a>,
-    /// What the rays of the chunk at hand met where surfaces touch, and what shadow rays did.
+    /// Arrivals of the chunk's rays, and of their shadow rays, at places where surfaces touch.
     pub arrivals: Arrivals,
     pub shadow_arrivals: Arrivals,
     /// The constant of the one refraction formula that has any.
@@ -83,7 +83,7 @@ pub struct Shading<'a> {
     pub shadows: Queue,
     /// Where lamps with an extent are sampled.
     pub points: LampPoints,
-    /// What looks through the shafts between places and lamps; none where all points of lamps get shadow rays.
+    /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
     pub shafts: Option<&'a Shafts<'a>>,
     /// The tile whose pixels these are, and which of their camera rays is under way.
     pub tile: Tile,
@@ -273,7 +273,7 @@ impl<'a> Shading<'a> {
         &self.scene.materials[surface.material[k] as usize].interface
     }
 
-    /// What crossing the surface of a lane does, or all that lies at its place; none where it bounds no medium.
+    /// The transition at the surface of a lane, or at all surfaces of its place; none where it bounds no medium.
     pub fn transition(&mut self, surface: &Surface8, k: usize) -> Option<Transition> {
         if let Some(crossed) = self.arrivals.crossed(surface, k) {
             return Some(self.media.cross_all(surface.stack[k], crossed));

@@ -127,10 +127,10 @@ impl Shortfall {
     }
 }
 
-/// How weight becomes visible light.
+/// Turns weight into visible light.
 #[derive(Clone, Copy)]
 struct Light {
-    /// What a ray of weight 1 brings at most.
+    /// The most that a ray of weight 1 brings.
     ceiling: DVec3,
     exposure: f64,
 }

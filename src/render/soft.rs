@@ -1,6 +1,6 @@
 //! The light stages of lamps with an extent: many points, each of which shines as a lamp of its own.
 //!
-//! Where the settings say so, each place first looks through the shaft between it and the lamp ([`Shafts`]). Where that is
+//! If the settings say so, each place first looks through the shaft between it and the lamp ([`Shafts`]). Where that is
 //! proven empty, all points shine on it without a shadow ray; where one surface is proven to cover the lamp, none does.
 //! All points get their shadow rays elsewhere. So the picture is that of all shadow rays, whatever the grouping of rays.
 

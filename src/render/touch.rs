@@ -30,7 +30,7 @@ pub struct Touching<'a> {
     waiting: Vec<Waiting>,
 }
 
-/// What the rays of a chunk met where surfaces touch.
+/// Arrivals of the rays of a chunk at places where surfaces touch.
 #[derive(Debug, Default)]
 pub struct Arrivals {
     /// Lanes that are not traced, with the numbers of their waiting rays.

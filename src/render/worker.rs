@@ -41,9 +41,9 @@ struct AtOnce {
     samples: u32,
 }
 
-/// What rays can be in, and where surfaces touch.
+/// Bodies that rays can be in, and touching surfaces.
 pub struct Media<'a> {
-    /// What fills the objects of the scene.
+    /// The bodies of the scene's objects.
     pub bodies: &'a Bodies,
     /// Its touching surfaces.
     pub contacts: &'a Contacts,

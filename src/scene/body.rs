@@ -8,9 +8,9 @@ use crate::geometry::{Shape, TriMesh};
 /// Relative difference of two volumes below which they are equal.
 const EQUAL_VOLUMES: f64 = 1e-5;
 
-/// What fills the transparent objects of a scene, ranked.
+/// The transparent bodies of a scene, ranked.
 ///
-/// Where bodies overlap, the one of the highest rank fills the space: of the highest priority; among equal priorities that
+/// Of bodies that overlap, the one of the highest rank fills the space: of the highest priority; among equal priorities that
 /// of the smaller closed volume; among equal volumes that of the higher index, then of the stronger absorption. So a
 /// bubble is air and a stone in water is stone, in whatever order the surfaces are met. Objects of one material are one
 /// body unless an object of another medium comes between them in that order.

@@ -74,13 +74,13 @@ impl Scene {
         self.origin + place * self.unit()
     }
 
-    /// What a length of 1 in the scene is in the world.
+    /// Length in the world of 1 in the scene.
     #[must_use]
     pub fn unit(&self) -> f64 {
         f64::from(self.unit_exponent).exp2()
     }
 
-    /// Whether its coordinates are those of the world.
+    /// Returns true if its coordinates are those of the world.
     #[must_use]
     pub fn is_in_world_coordinates(&self) -> bool {
         self.origin == DVec3::ZERO && self.unit_exponent == 0

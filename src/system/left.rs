@@ -21,7 +21,7 @@ impl Bound {
     /// Every bound.
     const ALL: [Self; 4] = [Self::AddressSpace, Self::Data, Self::Group, Self::Machine];
 
-    /// How to raise it, as the start of a cure.
+    /// A way to raise it, as the start of a cure.
     #[must_use]
     pub fn cure(self) -> &'static str {
         match self {

@@ -65,7 +65,7 @@ pub fn refused(count: usize, why: &dyn std::fmt::Display) -> Error {
 /// [`Error::Limit`], where there is no memory for the stack.
 ///
 /// # Panics
-/// Where `command` panics.
+/// If `command` panics.
 pub fn on_own_stack<T: Send>(command: impl FnOnce() -> T + Send) -> Result<T> {
     memory::need("the start of the program", (COMMAND_STACK + 8 * BESIDE) as u64, "run it on a larger machine")?;
     std::thread::scope(|scope| {

@@ -22,7 +22,7 @@ pub fn argument(ray: &Ray) -> String {
 /// The ray of an [`argument`]; the interval may be left out.
 ///
 /// # Errors
-/// What is wrong with the text.
+/// The fault of the text.
 pub fn read(text: &str) -> Result<Ray, String> {
     let numbers = text.split(',').map(|x| x.trim().parse::<f32>()).collect::<Result<Vec<_>, _>>();
     let numbers = numbers.map_err(|_| String::from("not numbers with commas between them"))?;

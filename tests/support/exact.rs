@@ -66,7 +66,7 @@ impl Exact {
     }
 }
 
-/// Whether `t` lies in the interval of `ray`.
+/// Returns true if `t` lies in the interval of `ray`.
 fn sees(ray: &Ray, t: &BigRational) -> bool {
     let below = |end: f32| !end.is_finite() || *t <= number(f64::from(end));
     number(f64::from(ray.t_min)) < *t && below(ray.t_max)
@@ -92,7 +92,7 @@ fn met(ray: &Ray, mesh: &TriMesh) -> Vec<(usize, BigRational)> {
     all.filter(|(_, (t, inside))| *inside && sees(ray, t)).map(|(i, (t, _))| (i, t)).collect()
 }
 
-/// Whether the accusation that `claim`, an answer for `ray` among the triangles of `mesh`, has this fault is true.
+/// Returns true if the accusation that `claim`, an answer for `ray` among the triangles of `mesh`, has this fault is right.
 pub fn confirms(fault: Fault, ray: &Ray, claim: &Hit, mesh: &TriMesh) -> bool {
     let claimed = claim.is_hit().then(|| number(f64::from(claim.t)));
     let nearer = || {
@@ -118,7 +118,7 @@ pub fn confirms(fault: Fault, ray: &Ray, claim: &Hit, mesh: &TriMesh) -> bool {
     }
 }
 
-/// Whether rays all around, as far away as `f32` may carry a corner at the least, meet something, too.
+/// Returns true if rays all around, as far away as `f32` may carry a corner at the least, meet something, too.
 fn goes_on_around(ray: &Ray, mesh: &TriMesh) -> bool {
     const RAYS: usize = 24;
     let reach = mesh.positions.iter().fold(f32::INFINITY, |m, p| m.min((*p - ray.origin).abs().max_element()));

@@ -32,7 +32,7 @@ fn passes(n1: f64, n2: f64, sin: f64) -> (f64, f64) {
     (1.0 - 0.5 * (s * s + p * p), sin_t)
 }
 
-/// What passes two slabs of thickness 2, at the angle of the camera of [`slabs`].
+/// The share of light that passes two slabs of thickness 2, at the angle of the camera of [`slabs`].
 fn through_slabs(n: f64, absorption: f64) -> f64 {
     let sin = 11.4715 / 11.4715_f64.hypot(16.383);
     let (first, sin_a) = passes(1.0, 1.5, sin);

@@ -22,7 +22,7 @@ fn scene(text: &str) -> Scene {
     load::scene(&file, &load::LoadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}")).scene
 }
 
-/// What each renderer makes of a scene, by name; the first is native.
+/// The results of each renderer for a scene, by name; the first is native.
 fn pictures(scene: &Scene) -> Vec<(&'static str, Outcome)> {
     let (options, observer) = (Options::default(), Observer::default());
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);

@@ -68,7 +68,7 @@ impl Native {
     /// [`Native::try_build_as`] where there is memory for it.
     ///
     /// # Panics
-    /// Where there is none.
+    /// If there is none.
     #[must_use]
     pub fn build_as(geometry: &[Geometry], quality: BuildQuality) -> Self {
         Self::try_build_as(geometry, quality).unwrap_or_else(|e| panic!("{e}"))

@@ -15,7 +15,7 @@ const LOOKED_AT: usize = 256;
 const LOOKED_AT_FOR_A_COVER: usize = 12;
 
 impl Native {
-    /// What of its triangles and spheres is in a shaft; those that `blocks` meets stop light.
+    /// The part of its triangles and spheres that is in a shaft; those that `blocks` meets stop light.
     #[must_use]
     pub fn content(&self, shaft: &Shaft, blocks: GeometryMask) -> Content {
         let spheres = look(&self.spheres, shaft, |leaf| {

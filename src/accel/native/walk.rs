@@ -92,7 +92,7 @@ impl Walk {
     /// [`Walk::try_build`] where there is memory for it.
     ///
     /// # Panics
-    /// Where there is none.
+    /// If there is none.
     #[must_use]
     pub fn build(
         geometry: &[Geometry],

@@ -18,7 +18,7 @@ const ROUNDINGS: f64 = 16.0;
 /// What `f32` may move by, relative to `reach`.
 pub(super) const SLIP: f64 = ROUNDINGS * UNIT_ROUNDOFF as f64;
 
-/// What it may move by besides, in scene units, where products underflow: 16 roundings of 2^-150, the spacing there.
+/// Further movement in scene units where products underflow: 16 roundings of 2^-150, the spacing there.
 pub(super) const TINY: f64 = ROUNDINGS * 7.006_492_321_624_085e-46;
 
 /// A decision's distance from flipping, against the error that `f32` may make in it; same unit.

@@ -81,7 +81,7 @@ impl Contact {
         !self.is_beside() && !beyond
     }
 
-    /// Whether the line surely passes it by.
+    /// Returns true if the line surely passes it by.
     fn is_beside(&self) -> bool {
         !self.inside && self.edge.is_decided()
     }
@@ -102,7 +102,7 @@ pub struct Examined<'a> {
     ray: Ray,
     wide: Ray64,
     contacts: Vec<Contact>,
-    /// What lies on the ray's line, but beyond its interval.
+    /// Contacts on the ray's line, but beyond its interval.
     beyond: Vec<Contact>,
     truth: Hit64,
     /// Found only where an answer differs.

@@ -16,7 +16,7 @@ use crate::trial::verify::{Candidate, NativePath};
 /// Contacts that are listed.
 const LISTED: usize = 12;
 
-/// What every path answers to one ray. Its JSON form is this, with the same names; infinite numbers are null.
+/// The answers of every path to one ray. Its JSON form is this, with the same names; infinite numbers are null.
 #[derive(serde::Serialize)]
 pub(super) struct Single {
     version: &'static str,
@@ -66,7 +66,7 @@ struct Near {
     inside: bool,
     /// Distance from the edge that would decide otherwise, in scene units.
     edge: f64,
-    /// What `f32` may be off in that.
+    /// Largest error of `f32` in that.
     edge_bound: f64,
 }
 
@@ -157,7 +157,7 @@ impl Met {
     }
 }
 
-/// What every way through one path answers.
+/// The answers of every way through one path.
 fn answer<C: Candidate>(
     path: &C,
     scene: &Scene,

@@ -106,7 +106,7 @@ fn greys(all: Vec<Quantity>) -> Vec<Quantity> {
     joined
 }
 
-/// What one renderer says of a ray; a length of 1 is one of `unit` in the world.
+/// The quantities that one renderer has for a ray; a length of 1 is one of `unit` in the world.
 fn numbers((event, (brings, cut)): (&Event, (DVec3, DVec3)), unit: f64) -> Numbers {
     let mut all = Numbers::new();
     let degrees = |cos: f64| cos.clamp(-1.0, 1.0).acos().to_degrees();

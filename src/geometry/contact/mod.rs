@@ -185,7 +185,7 @@ impl Contacts {
     }
 }
 
-/// What the searches have found so far.
+/// Contacts that the searches have found so far.
 #[derive(Default)]
 struct Found {
     /// Coincident faces as pairs of (object, primitive), the lower one first.

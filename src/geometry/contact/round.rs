@@ -116,7 +116,7 @@ fn made(
     Tangent { sphere: 0, other: 0, contact, towards, zone, gap_outside }
 }
 
-/// How two spheres lie.
+/// Relative position of two spheres.
 enum Meet {
     Same,
     Touch(Tangent),

@@ -72,7 +72,7 @@ pub(super) fn camera(
     Ok(camera)
 }
 
-/// What is up where the view is along the `up` that was asked for: +y, or, where the view is within 45 degrees of the y axis,
+/// The up direction for a view along the `up` that was asked for: +y, or, if the view is within 45 degrees of the y axis,
 /// -z, so that a map seen from above has x to the right.
 fn across(view: DVec3) -> Vec3 {
     if view.y.abs() > std::f64::consts::FRAC_1_SQRT_2 { Vec3::NEG_Z } else { Vec3::Y }

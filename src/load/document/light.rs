@@ -102,7 +102,7 @@ fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKi
     Ok(LightKind::Rectangle { corner: corner.as_vec3(), edges: edges.map(|e| e.as_vec3()), spread })
 }
 
-/// Where the light goes: along `direction`, or from `position`, a place in `frame`, towards `target`.
+/// The direction of the light: `direction`, or from `position`, a place in `frame`, towards `target`.
 fn direction(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<DVec3> {
     let (given, target) = (table.get("direction"), table.get("target"));
     match (given, target) {

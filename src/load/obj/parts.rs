@@ -99,7 +99,7 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
     Ok(parts)
 }
 
-/// How far off a corner may be for its rounding to `f32`: as it stands or, where that is `later`, as seen from near by.
+/// Largest distance that a corner may be off by its rounding to `f32`: as it stands or, if `later`, as seen from near by.
 fn rounding(points: &[DVec3], later: bool) -> f64 {
     let from = if later { points[0] } else { DVec3::ZERO };
     points.iter().fold(0f64, |m, &p| m.max((p - from).abs().max_element())) * f64::from(f32::EPSILON)

@@ -22,7 +22,7 @@ pub(super) enum Refusal {
 /// much as `rounding`: dents of that size are none.
 ///
 /// # Errors
-/// Where it has a dent and is too large or too winding to cut up.
+/// If it has a dent and is too large or too winding to cut up.
 pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), Refusal> {
     let count = points.len();
     if count == 3 {

@@ -43,7 +43,7 @@ pub(super) struct Face {
 pub(super) struct Scan {
     /// Positions; they may be anything at all.
     pub positions: Vec<DVec3>,
-    /// Whether they have all digits of the file; else they are rounded to `f32`, which is enough for what they draw.
+    /// True if they have all digits of the file; else they are rounded to `f32`, which is enough for what they draw.
     pub precise: bool,
     /// The largest magnitude of a coordinate that can be drawn.
     pub widest: f64,

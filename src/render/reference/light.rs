@@ -191,7 +191,7 @@ struct Marched<'a> {
     ray: &'a Ray64,
     nm: Option<f64>,
     stack: MediumStack,
-    /// What is left of it.
+    /// The share of it that is left.
     share: DVec3,
     /// Media left that had never been entered.
     unmatched: UnmatchedExits,

@@ -65,7 +65,7 @@ impl MediumStack {
         Some((left, place))
     }
 
-    /// What the boundary of `body` is to a ray with this stack that arrives at its front or back.
+    /// The meeting of a ray with this stack and the boundary of `body`, whose front or back it arrives at.
     pub fn meet(&self, filled: Filled, body: u32, front: bool) -> Meeting {
         let (current, medium) = (self.top(filled), filled.bodies.medium(body));
         if front {
@@ -84,7 +84,7 @@ impl MediumStack {
         }
     }
 
-    /// What surfaces that coincide are to a ray with this stack: bodies, and whether it arrives at their fronts.
+    /// The meeting of a ray with this stack and surfaces that coincide: bodies, each with true if it arrives at the front.
     pub fn meet_all(&self, filled: Filled, surfaces: &[(u32, bool)]) -> Meeting {
         if let &[(body, front)] = surfaces {
             return self.meet(filled, body, front);

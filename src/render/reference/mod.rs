@@ -44,7 +44,7 @@ use trace::Tracer;
 pub struct Prepared<'a> {
     scene: &'a Scene,
     accel: Reference,
-    /// What fills transparent objects.
+    /// The fillings of transparent objects.
     bodies: Bodies,
     /// Touching surfaces.
     contacts: Contacts,
@@ -58,7 +58,7 @@ pub struct Prepared<'a> {
     /// What a ray of weight 1 can bring at most, over the error that cutting it may make, where that is asked for; or why
     /// it cannot be had.
     tolls: std::result::Result<Option<Ceiling>, String>,
-    /// How often a ray may reflect or refract.
+    /// Most reflections and refractions of a ray.
     max_depth: u32,
     /// What camera rays start in.
     stack: MediumStack,

@@ -85,7 +85,7 @@ impl Surface {
         }
     }
 
-    /// What lies at a place of a face, as a ray arrives there, where surfaces touch. `apart` is the distance between the
+    /// The surface at a place of a face where surfaces touch, as a ray arrives there. `apart` is the distance between the
     /// faces of the place.
     pub fn on_face(scene: &Scene, ray: &Ray64, face: &Face, point: DVec3, apart: f64) -> Self {
         let (u, v) = face.barycentrics(point);

@@ -66,10 +66,10 @@ pub(super) struct Arrival<'a> {
     pub before: Option<Polarisation>,
 }
 
-/// What a ray meets at a surface beside the surface itself, where surfaces touch.
+/// The rest of a place where surfaces touch, beside the surface that a ray meets.
 #[derive(Default)]
 struct Reached {
-    /// What all boundaries of the place are together.
+    /// The meeting with all boundaries of the place together.
     meeting: Option<Meeting>,
     onward: Option<Through>,
     returning: Option<Through>,

@@ -86,8 +86,8 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Whether nothing fell short, in at least one case. Where work was bounded so soon that there was none, the rays that
-    /// were left out are told instead.
+    /// Returns true if nothing fell short, in at least one case. Where work was bounded so soon that there was none, the
+    /// rays that were left out are told instead.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.tally.failures == 0 && (self.tally.cases > 0 || self.tally.left_out > 0)

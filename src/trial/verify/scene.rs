@@ -193,7 +193,7 @@ impl<I: Intersector> Target<'_, I> {
         }
     }
 
-    /// What fell short, the ray, what each path says, and the command that repeats it; a line each.
+    /// The report of a failure: the fault, the ray, the answer of each path, and the command that repeats it; a line each.
     fn failure(&self, what: &str, ray: &Ray, answers: &[(&str, String)]) -> String {
         let mut text = format!("{what}\n  {:<7} {}", "ray", shown::ray(ray));
         if !self.scene.is_in_world_coordinates() {
