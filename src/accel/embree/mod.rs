@@ -78,7 +78,7 @@ impl Embree {
     /// [`Unbounded`](super::Unbounded).
     ///
     /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit) where the library is missing or unfit, memory runs out, or a shape reaches beyond
+    /// [`Error::Limit`] where the library is missing or unfit, memory runs out, or a shape reaches beyond
     /// [`reach::MOST`] or all meshes within [`reach::LEAST`].
     pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
         let library = Library::open(options.library.as_deref())?;
