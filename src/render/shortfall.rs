@@ -19,6 +19,9 @@ pub const VISIBLE: f64 = 1.0 / 255.0;
 /// Share of the pixels that may lack visible light.
 pub const ALLOWED: f64 = 1.0 / 1000.0;
 
+/// Share of a pixel's weight whose end leaves the pixel unknown.
+const MOST: f64 = 0.5;
+
 /// Pixels that are rendered again, at most.
 const SAMPLE: usize = 512;
 
@@ -270,10 +273,14 @@ impl Search<'_> {
 
     /// The light that a pixel may still lack under wider limits: that of the weight which still ends there, if it sees as much
     /// light as the weight that these limits have freed, and no more than that weight saw in all; at most the bound. Weight of
-    /// which they free nothing is caught by total reflection for good, and sees none.
+    /// which they free nothing is caught by total reflection for good, and sees none. But where most of the pixel's weight
+    /// ends, too little of it has been seen to say so, and the bound counts.
     fn rest(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
-        let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum();
+        let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum() / 3.0;
         let (ended, freed) = (weight(wide), weight(narrow) - weight(wide));
+        if ended > MOST {
+            return self.light.at_most(wide.truncated, wide.radiance);
+        }
         if freed <= 0.0 {
             return 0.0;
         }

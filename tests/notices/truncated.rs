@@ -122,6 +122,19 @@ fn light_that_is_out_of_reach_is_missed() {
 }
 
 #[test]
+fn a_picture_that_stays_black_under_all_limits_is_no_dark_scene() {
+    let text = text(150, "depth = 6", 1.0).replace("ior = 1.5", "ior = 1.01").replace("[0, 0, -40]", "[0, 0, -400]");
+    let folder = Folder::with(&[("panes.toml", &text)]);
+    let scene =
+        load::scene(&folder.path("panes.toml"), &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}")).scene;
+    let outcome = picture(&scene, &options(), 1.0);
+    // A face reflects 2.5e-5, so that next to all of the wall is to be seen.
+    assert!(outcome.film.pixels.iter().all(|pixel| pixel[0] < 0.01));
+    let shortfall = outcome.shortfall.expect("all light is missing");
+    assert!(shortfall.pixels == 4 && shortfall.lacks > 0.5 && shortfall.cure.is_none(), "{shortfall:?}");
+}
+
+#[test]
 fn light_too_weak_to_be_seen_is_not_missed() {
     let lacking = |emission, exposure| picture(&scene(10, "depth = 16", emission), &options(), exposure).shortfall;
     assert!(lacking(1.0, 1.0).is_some());
