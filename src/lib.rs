@@ -53,6 +53,7 @@ pub mod scene;
 pub mod simd;
 pub mod study;
 pub mod system;
+pub mod systems;
 pub mod trial;
 
 pub use error::{Error, Result};

@@ -79,6 +79,7 @@ pub(super) fn reflection_name(reflection: Reflection) -> &'static str {
         Reflection::Traced => "traced",
         Reflection::Environment => "environment",
         Reflection::None => "none",
+        Reflection::Planar => "planar",
     }
 }
 

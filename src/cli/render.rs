@@ -163,6 +163,7 @@ mod tests {
                 streams: StreamCounts::default(),
                 seen: Seen::default(),
                 touching: TouchingFound::default(),
+                planar: None,
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

@@ -94,6 +94,7 @@ mod tests {
             shortfall: None,
             streams: StreamCounts::default(),
             touching: crate::render::TouchingFound::default(),
+            planar: None,
             seen: Seen::default(),
         }
     }

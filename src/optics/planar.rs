@@ -31,6 +31,32 @@ impl<R: Real> PlanarReflection<R> {
         Self { rows: [row(0, v.x), row(1, v.y), row(2, v.z)] }
     }
 
+    /// The map that leaves everything where it is.
+    #[must_use]
+    pub fn identity() -> Self {
+        let row = |i: usize| std::array::from_fn(|k| if k == i { R::one() } else { R::zero() });
+        Self { rows: [row(0), row(1), row(2)] }
+    }
+
+    /// The map that mirrors by `first` and then by this one: a mirror seen in a mirror. Of an even number of mirrors it
+    /// keeps the winding of triangles, of an odd number it flips it.
+    #[must_use]
+    pub fn after(&self, first: &Self) -> Self {
+        let [x, y, z] = first.rows;
+        let row = |r: [R; 4]| {
+            let sum = |k: usize| r[2].fma(z[k], r[1].fma(y[k], r[0] * x[k]));
+            [sum(0), sum(1), sum(2), sum(3) + r[3]]
+        };
+        Self { rows: self.rows.map(row) }
+    }
+
+    /// What the map does to volumes: -1 where it flips winding, 1 where it keeps it.
+    #[must_use]
+    pub fn determinant(&self) -> R {
+        let [x, y, z] = self.rows.map(|[a, b, c, _]| Vector3::new(a, b, c));
+        x.dot(y.cross(z))
+    }
+
     /// Where the mirror image of a point is.
     #[inline(always)]
     #[must_use]

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::math::Real;
+use crate::optics::PlanarReflection;
 use crate::scene::{Camera, Projection};
 use crate::simd::{F32x8, Vec3x8};
 
@@ -28,6 +29,18 @@ impl Lens {
     /// The lens of `camera` for a picture of `width` by `height` pixels.
     #[must_use]
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
+        Self::framed(camera, width, height, camera.eye, |direction| direction)
+    }
+
+    /// The lens of the mirror image of `camera`: its eye and its frame through the matrix, in `f64`. Of an odd number of
+    /// mirrors the frame is left-handed, so that each pixel sees what the mirror shows there.
+    #[must_use]
+    pub fn mirrored(camera: &Camera, width: u32, height: u32, mirror: &PlanarReflection<f64>) -> Self {
+        let eye = DVec3::from(mirror.point(camera.eye.as_dvec3().into())).as_vec3();
+        Self::framed(camera, width, height, eye, |direction| mirror.direction(direction.into()).into())
+    }
+
+    fn framed(camera: &Camera, width: u32, height: u32, eye: Vec3, turned: impl Fn(DVec3) -> DVec3) -> Self {
         let forward = (camera.target.as_dvec3() - camera.eye.as_dvec3()).normalize();
         let right = forward.cross(camera.up.as_dvec3()).normalize();
         let up = right.cross(forward);
@@ -35,9 +48,9 @@ impl Lens {
             Projection::Pinhole { vfov } => (true, (f64::from(vfov).to_radians() * 0.5).tan()),
             Projection::Orthographic { height } => (false, f64::from(height) * 0.5),
         };
-        let round = |v: DVec3| v.as_vec3();
+        let round = |v: DVec3| turned(v).as_vec3();
         Self {
-            eye: camera.eye,
+            eye,
             forward: round(forward),
             right: round(right * half_extent),
             up: round(up * half_extent),
@@ -90,6 +103,22 @@ mod tests {
         assert!((d.lane(2) - Vec3::new(0.0, -(0.5_f32.sqrt()), -(0.5_f32.sqrt()))).length() < 1e-6);
         let (_, right) = lens.rays8(F32x8::from(150.0), F32x8::from(50.0));
         assert!(right.lane(0).x > 0.4, "x runs right");
+    }
+
+    #[test]
+    fn a_mirrored_lens_sends_the_mirror_images_of_all_rays_and_is_left_handed() {
+        let floor = PlanarReflection::new(Vec3::new(0.0, -1.0, 0.0).as_dvec3().into(), DVec3::Y.into());
+        for projection in [Projection::Pinhole { vfov: 40.0 }, Projection::Orthographic { height: 3.0 }] {
+            let camera = Camera { eye: Vec3::new(1.0, 2.0, 3.0), projection, ..Camera::default() };
+            let [plain, mirrored] = [Lens::new(&camera, 60, 40), Lens::mirrored(&camera, 60, 40, &floor)].map(|lens| {
+                let (o, d) = lens.rays8(F32x8::from(17.0), F32x8::from(5.0));
+                (o.lane(0), d.lane(0), lens.right.cross(lens.forward).dot(lens.up))
+            });
+            let image = |v: Vec3, height: f32| Vec3::new(v.x, -height - v.y, v.z);
+            assert!((mirrored.0 - image(plain.0, 2.0)).length() < 1e-6);
+            assert!((mirrored.1 - image(plain.1, 0.0)).length() < 1e-6);
+            assert!(plain.2 < 0.0 && mirrored.2 > 0.0, "the mirror image of a right hand is a left hand");
+        }
     }
 
     #[test]

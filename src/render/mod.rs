@@ -22,8 +22,10 @@ mod media;
 mod medium;
 mod options;
 mod outcome;
+mod passes;
 mod pattern;
 mod place;
+mod planar;
 mod queue;
 pub mod record;
 pub mod reference;
@@ -47,7 +49,7 @@ pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use limit::Limit;
 pub use options::{Observer, Options, Reflection};
-pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
+pub use outcome::{MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
 pub use room::need;
 pub use shortfall::{Again, Cure, Shortfall};
@@ -63,7 +65,10 @@ use crate::geometry::contact::Contacts;
 use crate::image::Film;
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
+use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
+use passes::Passes;
+use planar::PlanarCounts;
 use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
@@ -92,6 +97,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     room::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
     let ready = Ready::of(scene, accel, options).with_shafts(scene, accel);
+    planar::possible(scene, options, ready.mirrors.as_ref())?;
     let parts = each(scene, accel, &ready, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
@@ -124,6 +130,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         streams: tally.streams,
         touching: ready.touching,
         seen: tally.seen,
+        planar: ready.mirrors.map(|mirrors| tally.planar.of_mirrors(&mirrors)),
     })
 }
 
@@ -171,6 +178,8 @@ struct Ready<'a> {
     eye: Vec<u32>,
     /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
+    /// Planar mirrors, where a camera is mirrored in them.
+    mirrors: Option<Mirrors>,
 }
 
 impl<'a> Ready<'a> {
@@ -179,7 +188,8 @@ impl<'a> Ready<'a> {
         let bodies = Bodies::of(scene);
         let (contacts, touching) = contacts(scene, options);
         let eye = eye::bodies_around(scene, accel, &bodies, &contacts);
-        Self { bodies, contacts, touching, eye, shafts: None }
+        let mirrors = (options.reflection == Reflection::Planar).then(|| Mirrors::of(scene));
+        Self { bodies, contacts, touching, eye, shafts: None, mirrors }
     }
 
     /// The same with shafts where the scene calls for them.
@@ -218,6 +228,9 @@ fn each<I: Intersector>(
     let work = || -> Result<(Vec<TileResult>, Tally)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         worker.shading.shafts = ready.shafts.as_ref();
+        if let Some(mirrors) = &ready.mirrors {
+            worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
+        }
         let mut results = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
@@ -295,6 +308,7 @@ struct Tally {
     unmatched_exits: UnmatchedExits,
     streams: StreamCounts,
     seen: Seen,
+    planar: PlanarCounts,
 }
 
 impl Tally {
@@ -306,6 +320,7 @@ impl Tally {
             unmatched_exits: worker.shading.unmatched_exits.clone(),
             streams: worker.shading.streams,
             seen: worker.seen(),
+            planar: PlanarCounts::of(&worker.shading.passes),
         }
     }
 
@@ -316,5 +331,6 @@ impl Tally {
         self.unmatched_exits.merge(&o.unmatched_exits);
         self.streams.merge(&o.streams);
         self.seen.merge(&o.seen);
+        self.planar.merge(&o.planar);
     }
 }

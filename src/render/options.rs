@@ -15,6 +15,9 @@ pub enum Reflection {
     Environment,
     /// It is left out, and counted as the weight of a ray that ended.
     None,
+    /// In planar mirrors that the camera sees, or sees in other planar mirrors: by rays of the camera's mirror image
+    /// ([`crate::systems`]). Elsewhere a ray is traced.
+    Planar,
 }
 
 /// Choices of one render. Threads and tiles do not change the picture.
@@ -28,6 +31,9 @@ pub struct Options {
     pub oliveira: Oliveira,
     /// What becomes of reflected light.
     pub reflection: Reflection,
+    /// Under [`Reflection::Planar`], how many mirrors in a row a camera is mirrored in; light that would need more is left
+    /// out, and counted as the weight of a ray that ended.
+    pub mirror_levels: u32,
     /// Which effects are left out, and how stages are picked.
     pub effects: effects::Options,
     /// Cuts rays by a proven bound instead of by their weight (`Settings::cutoff`): what is cut changes no channel of any
@@ -46,6 +52,7 @@ impl Default for Options {
             refraction: RefractionModel::Stable,
             oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
+            mirror_levels: u32::MAX,
             effects: effects::Options::default(),
             cutoff_error: None,
             threads: 0,

@@ -34,6 +34,53 @@ pub struct Outcome {
     pub seen: Seen,
     /// Touching surfaces.
     pub touching: TouchingFound,
+    /// Mirrors that the camera was mirrored in, where that was asked for.
+    pub planar: Option<PlanarReport>,
+}
+
+/// Planar mirrors by matrix: levels of mirrors in mirrors, and what a matrix did not serve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlanarReport {
+    /// Planes that reflect.
+    pub mirrors: usize,
+    /// By level, from mirrors that the camera sees on.
+    pub levels: Vec<MirrorLevel>,
+    /// Reflections in planar mirrors that were seen in or through something else, and so traced.
+    pub elsewhere: u64,
+    /// Reflectors that a matrix does not serve, with the reasons; what they reflect is traced.
+    pub curved: Vec<(u32, String)>,
+}
+
+/// What the mirrors of one level came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MirrorLevel {
+    /// Mirrored cameras, counted in each tile.
+    pub passes: u64,
+    /// Their rays.
+    pub rays: u64,
+    /// The sum of the rays' weights, each by its largest channel. Over the camera's rays this is what a picture that ended at the level
+    /// before would lack of light of radiance 1, on average.
+    pub weight: f64,
+    /// The largest of the weights: what it would lack at most.
+    pub heaviest: f32,
+}
+
+impl MirrorLevel {
+    /// Counts one ray.
+    pub(super) fn add(&mut self, weight: glam::Vec3) {
+        let weight = weight.abs().max_element();
+        self.rays += 1;
+        self.weight += f64::from(weight);
+        self.heaviest = self.heaviest.max(weight);
+    }
+
+    /// Adds another part of the same level.
+    pub(super) fn merge(&mut self, o: &Self) {
+        self.passes += o.passes;
+        self.rays += o.rays;
+        self.weight += o.weight;
+        self.heaviest = self.heaviest.max(o.heaviest);
+    }
 }
 
 /// Touching surfaces that were found before the first ray.

@@ -8,6 +8,7 @@ use super::limit::Limit;
 use super::media::{MediaTable, StackId, Transition};
 use super::options::Options;
 use super::outcome::{RayCounts, RayKind, StreamCounts};
+use super::passes::Passes;
 use super::pattern::LampPoints;
 use super::queue::{Chunk, Queue, Rgb8, Spawn8};
 use super::split::mirrored::{self, ReflectStage};
@@ -85,6 +86,8 @@ pub struct Shading<'a> {
     pub points: LampPoints,
     /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
     pub shafts: Option<&'a Shafts<'a>>,
+    /// Cameras mirrored in planar mirrors, and what they are still to see; empty where none are asked for.
+    pub passes: Passes<'a>,
     /// The tile whose pixels these are, and which of their camera rays is under way.
     pub tile: Tile,
     pub sample: u32,
@@ -130,6 +133,7 @@ impl<'a> Shading<'a> {
             shadows: Queue::new(stages.carries),
             points: LampPoints::new(&scene.settings.lamps),
             shafts: None,
+            passes: Passes::default(),
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }
@@ -153,16 +157,26 @@ impl<'a> Shading<'a> {
     /// The deepest queue that holds `enough` rays for a long stream; where none does, the shallowest that holds any, whose
     /// children join those that wait below. So no queue holds more than the children of two streams.
     pub fn next_queue(&self, enough: usize) -> Option<(usize, RayKind)> {
-        let longer = |(depth, [reflected, transmitted]): (usize, &[Queue; 2])| {
+        self.full_queue(enough).or_else(|| {
+            let any = self.longer().find(|&(.., rays)| rays > 0);
+            any.map(|(depth, kind, _)| (depth, kind))
+        })
+    }
+
+    /// The deepest queue that holds `enough` rays for a long stream.
+    pub fn full_queue(&self, enough: usize) -> Option<(usize, RayKind)> {
+        self.longer().rev().find(|&(.., rays)| rays >= enough).map(|(depth, kind, _)| (depth, kind))
+    }
+
+    /// By depth, the longer of both queues and its length.
+    fn longer(&self) -> impl DoubleEndedIterator<Item = (usize, RayKind, usize)> {
+        self.queues.iter().enumerate().map(|(depth, [reflected, transmitted])| {
             if transmitted.len() > reflected.len() {
                 (depth, RayKind::Transmitted, transmitted.len())
             } else {
                 (depth, RayKind::Reflected, reflected.len())
             }
-        };
-        let queues = || self.queues.iter().enumerate().map(longer);
-        let full = queues().rev().find(|&(.., rays)| rays >= enough);
-        full.or_else(|| queues().find(|&(.., rays)| rays > 0)).map(|(depth, kind, _)| (depth, kind))
+        })
     }
 
     /// Queues secondary rays of a hit at `depth`, but for those that the depth limit or the cut-off ends.
@@ -170,17 +184,28 @@ impl<'a> Shading<'a> {
         if self.tolls.is_some() {
             return self.hold(lanes, new, kind);
         }
+        let lasting = self.lasting(lanes, &new.weight, new.pixel, depth);
+        if lasting != 0 {
+            self.queue(kind, depth + 1).push8(lasting, new);
+        }
+    }
+
+    /// The lanes of secondary rays of a hit at `depth` that neither the depth limit nor the cut-off ends; the weight of the
+    /// others is counted.
+    #[inline(always)]
+    pub fn lasting(&mut self, lanes: u8, weight: &Rgb8, pixel: &[u32; 8], depth: usize) -> u8 {
         // Of a wavelength, a channel may weigh less than nothing.
-        let heaviest = new.weight.abs().max_component();
+        let heaviest = weight.abs().max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
         if depth >= self.max_depth {
-            return self.accumulator.add_ended8(Limit::Depth, carrying, new.pixel, &new.weight);
+            self.accumulator.add_ended8(Limit::Depth, carrying, pixel, weight);
+            return 0;
         }
         // A NaN weight compares false and lives on, to be counted where it lands.
         let light = heaviest.lt(F32x8::from(self.cutoff)).bits();
         let ended = carrying & light;
-        self.accumulator.add_cut8(ended, new.pixel, &new.weight);
-        self.queue(kind, depth + 1).push8(carrying & !ended, new);
+        self.accumulator.add_cut8(ended, pixel, weight);
+        carrying & !ended
     }
 
     /// Keeps rays until all that their surface sends is known.

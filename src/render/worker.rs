@@ -157,11 +157,15 @@ impl<'a, I: Intersector> Worker<'a, I> {
 
     /// Follows the camera rays of some numbers through the pixels of some blocks to their ends.
     fn part(&mut self, tile: &Tile, blocks: &[Block], samples: Range<u32>) -> Result<()> {
-        self.begin(samples.start);
+        let first = samples.start;
+        self.begin(first);
         let mut chunk = std::mem::take(&mut self.chunk);
         chunk.clear();
         self.camera_rays(tile, blocks, samples, &mut chunk);
         self.step(&mut chunk, 0, RayKind::Camera)?;
+        if self.shading.passes.is_on() {
+            self.mirrored(tile, first, &mut chunk)?;
+        }
         while let Some((depth, kind)) = self.shading.next_queue(8 * CHUNK_PACKETS) {
             chunk.clear();
             self.shading.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
@@ -172,11 +176,37 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
+    /// Follows the rays of the camera's mirror images through what their mirrors fill of the pixels, pass by pass, and of what
+    /// follows as much as makes full streams.
+    fn mirrored(&mut self, tile: &Tile, sample: u32, chunk: &mut Chunk) -> Result<()> {
+        let n = self.shading.scene.settings.samples;
+        let offset = (sample_offset(sample % n, n), sample_offset(sample / n, n));
+        let mut pass = 1;
+        while let Some(level) = self.shading.passes.enter(pass) {
+            chunk.clear();
+            if self.shading.passes.rays(self.shading.scene, tile, offset, CHUNK_PACKETS, chunk) {
+                self.step(chunk, level, RayKind::Reflected)?;
+                self.shading.passes.leave();
+                while let Some((depth, kind)) = self.shading.full_queue(8 * CHUNK_PACKETS) {
+                    chunk.clear();
+                    self.shading.queue(kind, depth).take(CHUNK_PACKETS, chunk);
+                    self.step(chunk, depth, kind)?;
+                }
+            } else {
+                pass += 1;
+            }
+        }
+        self.shading.passes.leave();
+        Ok(())
+    }
+
     /// How many camera rays go together: all of a pixel's and those of as many pixels as make long streams, and no more,
     /// since what is near in the picture is near in the caches. Where lamps have an extent or media disperse, what becomes
     /// of a ray depends on its number, which is known of one number at a time.
     fn at_once(&self, samples: u32) -> AtOnce {
-        let numbered = self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
+        let passes = self.shading.passes.is_on();
+        let numbered =
+            passes || self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
         if numbered {
             return AtOnce { blocks: usize::MAX, samples: 1 };
         }
@@ -187,6 +217,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
     /// Makes ready for the pixels' rays of one number, or of that and others where numbers do not matter.
     pub(super) fn begin(&mut self, sample: u32) {
         self.shading.sample = sample;
+        if self.shading.passes.is_on() {
+            self.shading.passes.begin();
+        }
         self.shading.media.begin_sample(sample);
         self.eye_stack = self.shading.media.stack_of(self.eye_bodies);
     }
@@ -233,7 +266,8 @@ impl<'a, I: Intersector> Worker<'a, I> {
             return Err(Error::Interrupted);
         }
         self.shading.counts.add(kind, depth, chunk.len());
-        let coherence = if depth == 0 { Coherence::Coherent } else { Coherence::Incoherent };
+        let coherent = depth == 0 || self.shading.passes.is_camera();
+        let coherence = if coherent { Coherence::Coherent } else { Coherence::Incoherent };
         let mut hits = std::mem::take(&mut self.hits);
         hits.clear();
         hits.resize(chunk.rays.len(), Hit8::default());

@@ -161,9 +161,9 @@ impl Axis {
                 let straight = std::iter::once(level(RefractionModel::StraightThrough));
                 straight.chain(oliveira).chain(others.map(level)).collect()
             }
-            Self::Reflection => {
-                [Reflection::None, Reflection::Environment, Reflection::Traced].map(Level::Reflection).to_vec()
-            }
+            Self::Reflection => [Reflection::None, Reflection::Environment, Reflection::Planar, Reflection::Traced]
+                .map(Level::Reflection)
+                .to_vec(),
             Self::Shadows => [ShadowRule::Opaque, ShadowRule::Straight].map(Level::Shadows).to_vec(),
             Self::Spheres => {
                 let bands = [8, 16, 32, 64, 128].map(Spheres::Bands);
@@ -304,6 +304,7 @@ impl fmt::Display for Level {
             Self::Reflection(Reflection::Traced) => f.write_str("traced"),
             Self::Reflection(Reflection::Environment) => f.write_str("environment"),
             Self::Reflection(Reflection::None) => f.write_str("none"),
+            Self::Reflection(Reflection::Planar) => f.write_str("planar"),
             Self::Shadows(ShadowRule::Opaque) => f.write_str("opaque"),
             Self::Shadows(ShadowRule::Straight) => f.write_str("straight"),
             Self::Spheres(Spheres::Bands(n)) | Self::Depth(n) => write!(f, "{n}"),

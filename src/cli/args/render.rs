@@ -66,6 +66,10 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_enum, help_heading = "Light")]
     pub reflection: Option<ReflectionArg>,
 
+    /// Under --reflection planar, mirrors in a row at most; light that needs more is left out [default: as --depth]
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    pub mirror_levels: Option<u32>,
+
     /// What transparent surfaces do to shadows [default: as the scene says]
     #[arg(long, value_enum, help_heading = "Light")]
     pub shadows: Option<ShadowsArg>,
@@ -139,6 +143,8 @@ pub(in crate::cli) enum ReflectionArg {
     Environment,
     /// Left out, and counted as truncated weight
     None,
+    /// In planar mirrors by the camera's mirror image, as in the lecture notes; elsewhere by rays
+    Planar,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

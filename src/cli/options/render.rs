@@ -69,6 +69,7 @@ impl TryFrom<RenderArgs> for Render {
         let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
         let backend = backend(&args)?;
+        let mirror_levels = mirror_levels(&args)?;
         let name = match args.output {
             Some(name) => name,
             None => default_output(&args.scene)?,
@@ -133,7 +134,9 @@ impl TryFrom<RenderArgs> for Render {
                     None | Some(ReflectionArg::Traced) => render::Reflection::Traced,
                     Some(ReflectionArg::Environment) => render::Reflection::Environment,
                     Some(ReflectionArg::None) => render::Reflection::None,
+                    Some(ReflectionArg::Planar) => render::Reflection::Planar,
                 },
+                mirror_levels,
                 effects,
                 cutoff_error: args.cutoff_error,
                 threads: args.threads.unwrap_or(0) as usize,
@@ -143,6 +146,19 @@ impl TryFrom<RenderArgs> for Render {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+/// How many mirrors in a row a camera is mirrored in.
+///
+/// # Errors
+/// Usage, where no camera is mirrored.
+fn mirror_levels(args: &RenderArgs) -> Result<u32> {
+    match (args.mirror_levels, args.reflection) {
+        (Some(_), Some(ReflectionArg::Planar)) | (None, _) => Ok(args.mirror_levels.unwrap_or(u32::MAX)),
+        (Some(_), _) => Err(Error::Usage(String::from(
+            "--mirror-levels: is for --reflection planar, which mirrors the camera; give both, or --depth alone",
+        ))),
     }
 }
 

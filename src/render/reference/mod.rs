@@ -11,6 +11,7 @@ mod condition;
 mod disperse;
 mod light;
 mod media;
+mod mirrored;
 mod polarisation;
 mod split;
 mod surface;
@@ -24,6 +25,7 @@ use rayon::prelude::*;
 
 use super::ceiling::Ceiling;
 use super::pattern::LampPoints;
+use super::planar::{self, PlanarCounts};
 use super::record::{Off, Recorder, Tree};
 use super::{FilmRay, Limit, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
 use crate::accel::BuildStats;
@@ -34,6 +36,7 @@ use crate::image::Film;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
 use crate::scene::{Bodies, Material, Scene};
 use crate::system::threads;
+use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
 use media::{Filled, MediumStack};
 pub use tally::Tally;
@@ -53,6 +56,9 @@ pub struct Prepared<'a> {
     refraction: RefractionModel,
     oliveira: Oliveira,
     reflection: Reflection,
+    /// Planar mirrors, where cameras are mirrored in them, and in how many in a row.
+    mirrors: Option<Mirrors>,
+    mirror_levels: u32,
     /// Whether light ends where it would be reflected totally.
     total_is_lost: bool,
     /// What a ray of weight 1 can bring at most, over the error that cutting it may make, where that is asked for; or why
@@ -79,7 +85,8 @@ impl<'a> Prepared<'a> {
     /// caller to take out ([`effects::without`]).
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, oliveira, reflection, .. } = options;
+        let &Options { fresnel, oliveira, reflection, mirror_levels, .. } = options;
+        let mirrors = (reflection == Reflection::Planar).then(|| Mirrors::of(scene));
         let refraction = options.bending();
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
@@ -100,6 +107,8 @@ impl<'a> Prepared<'a> {
             refraction,
             oliveira,
             reflection,
+            mirrors,
+            mirror_levels,
             total_is_lost,
             tolls,
             max_depth: settings.max_depth,
@@ -250,6 +259,8 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
     if let Err(reason) = &prepared.tolls {
         return Err(Error::Usage(reason.clone()));
     }
+    let mirrors = prepared.mirrors.as_ref();
+    planar::possible(prepared.scene, options, mirrors)?;
     let pool = threads::pool(options.thread_count())?;
     let settings = &prepared.scene.settings;
     let (width, height) = (settings.width, settings.height);
@@ -283,6 +294,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
             missed: counts.missed,
             lit: counts.lit,
         },
+        planar: mirrors.map(|mirrors| PlanarCounts::default().of_mirrors(mirrors)),
     })
 }
 

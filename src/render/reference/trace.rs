@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::disperse::Dispersing;
 use super::light::{Arriving, blocker, let_through};
 use super::media::{Filled, MediumStack, Meeting};
+use super::mirrored::{Image, Start};
 use super::polarisation::Polarisation;
 use super::split::{Way, Ways, at_boundary, at_metal, at_mirror, at_pane};
 use super::surface::Surface;
@@ -45,6 +46,8 @@ pub(super) struct Pending {
     pub polarisation: Option<Polarisation>,
     /// What may still be cut of it, as [`budget`] has it.
     pub budget: DVec3,
+    /// The camera that it is a ray of, where cameras are mirrored and it is one's.
+    pub image: Option<Image>,
     /// Its place in the record, where one is kept.
     pub node: Node,
 }
@@ -52,6 +55,8 @@ pub(super) struct Pending {
 /// A ray's arrival at a surface.
 pub(super) struct Arrival<'a> {
     pub ray: &'a Pending,
+    /// Object and primitive.
+    pub id: (u32, u32),
     pub surface: Surface,
     pub material: &'a Material,
     /// Unit normals on the side the ray arrives on.
@@ -76,13 +81,15 @@ struct Reached {
 }
 
 /// A ray that a surface would send.
-struct Branch {
-    kind: RayKind,
-    dir: DVec3,
-    weight: DVec3,
-    nm: Option<f64>,
-    stack: MediumStack,
-    polarisation: Option<Polarisation>,
+pub(super) struct Branch {
+    pub kind: RayKind,
+    pub dir: DVec3,
+    pub weight: DVec3,
+    pub nm: Option<f64>,
+    pub stack: MediumStack,
+    pub polarisation: Option<Polarisation>,
+    /// Where it starts, if not on the surface.
+    pub start: Option<Start>,
 }
 
 /// What a light, or some points of it, added.
@@ -113,7 +120,7 @@ pub(super) struct Tracer<'a, 'r, L: Recorder> {
     tally: Tally,
     pending: Vec<Pending>,
     /// What the surface at hand would send.
-    branches: Vec<Branch>,
+    pub branches: Vec<Branch>,
     record: &'r mut L,
 }
 
@@ -139,6 +146,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             through: None,
             polarisation: (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(dir)),
             budget: DVec3::splat(budget::WHOLE),
+            image: prepared.mirrors.is_some().then(Image::default),
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(prepared.filled(), None)));
@@ -156,16 +164,17 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let scene = self.prepared.scene;
         self.tally.rays.add(ray.kind, ray.depth as usize, 1);
         let filled = self.prepared.filled();
-        let line = Ray64::new(ray.origin, ray.dir);
+        let Image { clip, t_min, .. } = ray.image.unwrap_or_default();
+        let line = Ray64 { t_min, ..Ray64::new(ray.origin, ray.dir) };
         let hit = match ray.through {
             // It is still where it left the last layer.
             Some(_) => Hit64 { t: 0.0, ..Hit64::MISS },
             None => self.prepared.accel.closest(&line),
         };
         let absorption = scene.media[ray.stack.top(filled) as usize].absorption.as_dvec3();
-        ray.weight *= DVec3::from(transmittance(absorption.into(), hit.t));
+        ray.weight *= DVec3::from(transmittance(absorption.into(), hit.t - clip));
         self.note(ray.node, |event| {
-            (event.t, event.arrived) = (hit.t, ray.weight);
+            (event.t, event.arrived) = (hit.t - clip, ray.weight);
             if ray.weight == DVec3::ZERO {
                 event.met = Met::Spent;
             }
@@ -201,7 +210,9 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let cos_i = -ray.dir.dot(shading);
         self.note(ray.node, |event| event.met = Met::Surface { object, primitive, point, front, cos_i });
         let before = ray.polarisation.map(|carried| carried.facing(ray.dir, shading));
-        let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i, onward, returning, before };
+        let id = (object, primitive);
+        let arrival =
+            Arrival { ray: &ray, id, surface, material, geometric, shading, cos_i, onward, returning, before };
         self.meet(&arrival, meeting);
         self.send_branches(&arrival);
     }
@@ -250,7 +261,8 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             return;
         }
         let origin = surface.start(ray.dir);
-        self.queue(ray.node, Pending { origin, stack, kind, passed: ray.passed + 1, through, ..ray.clone() });
+        let passed = ray.passed + 1;
+        self.queue(ray.node, Pending { origin, stack, kind, passed, through, image: None, ..ray.clone() });
     }
 
     /// Has a ray wait that was sent where the ray of `parent` ended.
@@ -420,6 +432,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             Reflection::Traced => self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone()),
             Reflection::Environment => self.mirror_environment(at, way.share),
             Reflection::None => self.not_reflected(at, way.share),
+            Reflection::Planar => self.reflected_by_matrix(at, way),
         }
     }
 
@@ -441,7 +454,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     }
 
     /// Puts a secondary ray of the wavelength that arrived beside the others of its surface.
-    fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, way: Way, stack: MediumStack) {
+    pub(super) fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, way: Way, stack: MediumStack) {
         self.send_coloured(at, kind, dir, way, stack, at.ray.nm);
     }
 
@@ -457,7 +470,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     ) {
         let weight = at.ray.weight * way.share;
         if weight != DVec3::ZERO {
-            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation: way.polarisation });
+            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation: way.polarisation, start: None });
         }
     }
 
@@ -473,7 +486,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             divide(at.ray.budget.into(), [toll(0).into(), toll(1).into()])
         });
         for (k, branch) in branches.drain(..).enumerate() {
-            let Branch { kind, dir, weight, nm, stack, polarisation } = branch;
+            let Branch { kind, dir, weight, nm, stack, polarisation, start } = branch;
             let (too_light, budget) = match &proven {
                 None => (weight.abs().max_element() < f64::from(settings.cutoff), at.ray.budget),
                 Some(Division { cut, budget }) => (cut[k], budget[k].into()),
@@ -484,7 +497,8 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             }
             let dir = dir.normalize();
             let polarisation = polarisation.map(|carried| carried.along(dir));
-            let origin = at.surface.start(dir);
+            let origin = start.map_or_else(|| at.surface.start(dir), |start| start.origin);
+            let image = start.map(|start| start.image);
             let through = if dir.dot(at.geometric) < 0.0 { at.onward } else { at.returning };
             let ray = Pending {
                 origin,
@@ -498,11 +512,17 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
                 through,
                 polarisation,
                 budget,
+                image,
                 node: 0,
             };
             self.queue(at.ray.node, ray);
         }
         self.branches = branches;
+    }
+
+    /// Counts weight that ends.
+    pub(super) fn end(&mut self, limit: Limit, weight: DVec3) {
+        self.tally.end(limit, weight);
     }
 
     /// Counts a secondary ray's weight as truncated.
@@ -623,7 +643,7 @@ impl Pending {
 
 impl Arrival<'_> {
     /// The unit direction of the ray's mirror image.
-    fn mirrored(&self) -> DVec3 {
+    pub(super) fn mirrored(&self) -> DVec3 {
         DVec3::from(reflect(self.ray.dir.into(), Vector3::from(self.shading))).normalize()
     }
 }

@@ -25,6 +25,32 @@ pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
         (Reflection::Environment, Environment::Gradient { .. }) => looked_up::<Gradient>,
         (Reflection::Environment, Environment::LatLong { .. }) => looked_up::<LatLong>,
         (Reflection::None, _) => none,
+        (Reflection::Planar, _) => mirrored_camera,
+    }
+}
+
+/// By a ray of the camera's mirror image where the ray at hand is one of the camera or of an image of it and the mirror is
+/// planar; by a ray from the surface elsewhere.
+fn mirrored_camera(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    extra: Option<&Extra8>,
+    depth: usize,
+) {
+    let masked = shading.passes.masked(surface, lanes);
+    if masked != 0 {
+        if shading.passes.at_last_level() {
+            shading.accumulator.add_ended8(Limit::Asked, masked, &surface.pixel, &weight);
+        } else {
+            let kept = shading.lasting(masked, &weight, &surface.pixel, depth);
+            shading.passes.mask(surface, kept, &weight);
+        }
+    }
+    if lanes != masked {
+        traced(shading, surface, lanes & !masked, dir, weight, extra, depth);
     }
 }
 

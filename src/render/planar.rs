@@ -1,0 +1,72 @@
+//! What a render by mirrored cameras asks of a scene, and what it tells of it.
+
+use super::options::{Options, Reflection};
+use super::outcome::{MirrorLevel, PlanarReport};
+use super::passes::Passes;
+use crate::optics::FresnelModel;
+use crate::scene::Scene;
+use crate::systems::planar::Mirrors;
+use crate::{Error, Result};
+
+/// Counts of one thread or of all.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PlanarCounts {
+    pub levels: Vec<MirrorLevel>,
+    pub elsewhere: u64,
+}
+
+impl PlanarCounts {
+    /// Those of a thread.
+    pub fn of(passes: &Passes) -> Self {
+        Self { levels: passes.counts.clone(), elsewhere: passes.elsewhere }
+    }
+
+    /// Adds those of another.
+    pub fn merge(&mut self, o: &Self) {
+        self.levels.resize(self.levels.len().max(o.levels.len()), MirrorLevel::default());
+        self.levels.iter_mut().zip(&o.levels).for_each(|(level, other)| level.merge(other));
+        self.elsewhere += o.elsewhere;
+    }
+
+    /// The report on the mirrors of a scene.
+    pub fn of_mirrors(self, mirrors: &Mirrors) -> PlanarReport {
+        PlanarReport {
+            mirrors: mirrors.list.len(),
+            levels: self.levels,
+            elsewhere: self.elsewhere,
+            curved: mirrors.curved.iter().map(|(object, why)| (*object, why.to_string())).collect(),
+        }
+    }
+}
+
+/// Looks whether a camera can be mirrored in anything.
+///
+/// # Errors
+/// [`Error::Usage`], where reflectors are there and none is planar, or where rays carry what an image's would not.
+pub(super) fn possible(scene: &Scene, options: &Options, mirrors: Option<&Mirrors>) -> Result<()> {
+    debug_assert_eq!(
+        mirrors.is_some(),
+        options.reflection == Reflection::Planar,
+        "mirrors are found where they are asked for"
+    );
+    let Some(mirrors) = mirrors else { return Ok(()) };
+    let carried = match (options.fresnel, options.cutoff_error) {
+        (FresnelModel::Polarised, _) => Some("--fresnel polarised"),
+        (_, Some(_)) => Some("--cutoff-error"),
+        _ => None,
+    };
+    if let Some(flag) = carried {
+        return Err(Error::Usage(format!(
+            "--reflection planar: the rays of a mirrored camera carry nothing for {flag}; leave it out, or take \
+             --reflection traced"
+        )));
+    }
+    match mirrors.curved.first() {
+        Some((object, why)) if mirrors.list.is_empty() => Err(Error::Usage(format!(
+            "--reflection planar: `{}` {why}, and no other reflector is planar; give it flat faces without normals of \
+             their own, or take --reflection traced",
+            scene.objects[*object as usize].name
+        ))),
+        _ => Ok(()),
+    }
+}
