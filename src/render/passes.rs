@@ -72,12 +72,12 @@ impl<'a> Passes<'a> {
         Self { mirrors: Some(mirrors), levels, ..Self::default() }
     }
 
-    /// Whether cameras are mirrored at all.
+    /// Returns true if cameras are mirrored.
     pub fn is_on(&self) -> bool {
         self.mirrors.is_some()
     }
 
-    /// Whether the rays at hand are those of a camera or of an image of it.
+    /// Returns true if the current rays are camera rays, or rays of a mirror image of the camera.
     pub fn is_camera(&self) -> bool {
         self.at.is_some()
     }
@@ -107,7 +107,7 @@ impl<'a> Passes<'a> {
         Some(level as usize)
     }
 
-    /// The lanes of a surface whose reflections an image of the camera sees.
+    /// Returns the lanes of a surface whose reflections a mirror image of the camera sees.
     pub fn masked(&mut self, surface: &Surface8, lanes: u8) -> u8 {
         let Some(mirrors) = self.mirrors else { return 0 };
         let mut planar = 0;
@@ -124,7 +124,7 @@ impl<'a> Passes<'a> {
         planar
     }
 
-    /// Whether a mirror in what is seen now would be one too many.
+    /// Returns true if a mirror that is seen now would be one too many.
     pub fn at_last_level(&self) -> bool {
         self.at.is_some_and(|at| self.tree[at].level >= self.levels)
     }
@@ -148,7 +148,7 @@ impl<'a> Passes<'a> {
         }
     }
 
-    /// The pass of a mirror that is seen in pass `at`.
+    /// Returns the pass of a mirror that is seen in pass `at`.
     fn inner(&mut self, mirrors: &Mirrors, at: usize, mirror: u32) -> usize {
         if let Some(&(_, pass)) = self.tree[at].inner.iter().find(|(m, _)| *m == mirror) {
             return pass;
@@ -206,7 +206,8 @@ impl<'a> Passes<'a> {
     }
 }
 
-/// Where rays of a mirror image pass the mirror's plane, and where they are `clear` of it and of what rounding moves it by.
+/// Returns the parameters at which rays of a mirror image pass the mirror's plane, and from which they are `clear` of it,
+/// rounding included.
 fn clip(mirror: &Mirror, origin: Vec3x8, dir: Vec3x8, clear: F32x8) -> (F32x8, F32x8) {
     let (point, normal) = (Vec3x8::splat(mirror.point.as_vec3()), Vec3x8::splat(mirror.normal.as_vec3()));
     let height = (point - origin).dot(normal);

@@ -1,4 +1,4 @@
-//! What a render by mirrored cameras asks of a scene, and what it tells of it.
+//! Conditions of a render by mirrored cameras, and its report.
 
 use super::options::{Options, Reflection};
 use super::outcome::{MirrorLevel, PlanarReport};
@@ -39,7 +39,7 @@ impl PlanarCounts {
     }
 }
 
-/// Looks whether a camera can be mirrored in anything.
+/// Checks that a camera can be mirrored in some reflector of the scene.
 ///
 /// # Errors
 /// [`Error::Usage`], where reflectors are there and none is planar, or where rays carry what an image's would not.

@@ -42,7 +42,7 @@ impl Mirror {
     }
 }
 
-/// Why a matrix serves no face of a reflector.
+/// Reasons why a matrix serves no face of a reflector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curved {
     /// It is a sphere.

@@ -11,8 +11,8 @@ use vitrum::scene::{
 };
 use vitrum::systems::planar::Mirrors;
 
+use super::{difference, is_at_edge, outcomes};
 use crate::support::scenes::{add, bare, cuboid, cuboid_mesh, empty, glass, material, native, plane, sphere};
-use crate::{difference, is_at_edge, outcomes};
 
 fn mirror(share: f32) -> Material {
     bare(Interface::Mirror { reflectance: Rgb::splat(share), source: MirrorSource::Traced })

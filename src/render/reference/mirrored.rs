@@ -13,13 +13,13 @@ use crate::render::{Limit, RayKind};
 pub(super) struct Image {
     /// Mirrors in a row that the camera was mirrored in.
     level: u32,
-    /// Where the ray passes the plane of the last of them.
+    /// Parameter at which the ray passes the plane of the last of them.
     pub clip: f64,
-    /// Up to where nothing is seen: the plane, and what keeps the ray off it.
+    /// Start of the visible part of the ray: the plane, and a margin that keeps the ray off it.
     pub t_min: f64,
 }
 
-/// Where the ray of an image starts.
+/// Start of the ray of an image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start {
     pub origin: DVec3,

@@ -1,8 +1,7 @@
 //! Promise: the lecture notes' reflection systems show what the traced picture shows, as nearly as each of them claims, in
 //! every renderer.
 
-#[path = "../support/mod.rs"]
-mod support;
+use crate::support;
 
 mod planar;
 

@@ -1,7 +1,6 @@
 //! A render simulates what its scene calls for, says why, and makes the same picture by code that knows everything.
 
-#[path = "../support/mod.rs"]
-mod support;
+use crate::support;
 
 mod bound;
 mod command;

@@ -1,7 +1,6 @@
 //! Promise: the choices of a render that have a price do what they say, in every renderer.
 
-#[path = "../support/mod.rs"]
-mod support;
+use crate::support;
 
 mod command;
 mod cutoff;
