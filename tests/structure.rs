@@ -23,12 +23,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("render", &["systems", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("notices", &["load", "render", "effects", "scene", "accel", "geometry"]),
     ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("study", &["trial", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("study", &["trial", "load", "render", "systems", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     (
         "cli",
         &[
-            "study", "trial", "notices", "load", "render", "effects", "accel", "image", "scene", "optics", "simd",
-            "math",
+            "study", "trial", "notices", "load", "render", "systems", "effects", "accel", "image", "scene", "optics",
+            "simd", "math",
         ],
     ),
 ];

@@ -6,6 +6,7 @@ mod compare;
 mod effects;
 mod explain;
 mod formulas;
+mod map;
 mod numbers;
 mod parity;
 mod pixel;
@@ -25,10 +26,11 @@ pub(super) use compare::CompareArgs;
 pub(super) use effects::EffectArgs;
 pub(super) use explain::ExplainArgs;
 pub(super) use formulas::KindArg;
+pub(super) use map::{MapArgs, MapKindArg};
 pub(super) use parity::ParityArgs;
 pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
-pub(super) use render::{BitsArg, ReciprocalArg, ReflectionArg, RenderArgs, TrianglesArg};
+pub(super) use render::{BitsArg, ProxyArg, ReciprocalArg, ReflectionArg, RenderArgs, TrianglesArg};
 pub(super) use settings::SettingsArgs;
 pub(super) use verify::{GroupArg, PathArg, VerifyArgs};
 
@@ -61,6 +63,7 @@ pub(super) enum Command {
     Bench(BenchArgs),
     Price(PriceArgs),
     Pixel(PixelArgs),
+    Map(MapArgs),
     Doctor(DoctorArgs),
 }
 

@@ -227,6 +227,9 @@ fn look<I: Intersector>(
     exposure: f32,
     outcome: &mut Outcome,
 ) -> Result<()> {
+    // Maps that reflectors show are taken once.
+    let maps = outcome.maps.as_ref().map(|report| report.maps.clone());
+    let options = &Options { maps, ..options.clone() };
     let pixels = Pixels::new(accel, options, observer);
     let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
     outcome.shortfall = interrupt::heeded(|| Shortfall::of(scene, options, outcome, exposure, &again))?;

@@ -80,6 +80,8 @@ pub(super) fn reflection_name(reflection: Reflection) -> &'static str {
         Reflection::Environment => "environment",
         Reflection::None => "none",
         Reflection::Planar => "planar",
+        Reflection::CubeMap => "cube-map",
+        Reflection::SphereMap => "sphere-map",
     }
 }
 

@@ -9,6 +9,7 @@ mod doctor;
 mod explain;
 mod formulas;
 mod interrupt;
+mod map;
 mod metadata;
 mod options;
 mod output;
@@ -18,6 +19,7 @@ mod price;
 mod progress;
 mod render;
 mod summary;
+mod systems;
 mod table;
 mod unmatched;
 mod usage;
@@ -90,6 +92,7 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Pixel(args) => pixel::run(&options::Pixel::try_from(args)?),
         Command::Price(args) if args.formulas.formulas => formulas::run(&options::Formulas::try_from(args)?),
         Command::Price(args) => price::run(options::Price::try_from(args)?),
+        Command::Map(args) => map::run(&options::Map::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }
 }

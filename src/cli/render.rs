@@ -164,6 +164,7 @@ mod tests {
                 seen: Seen::default(),
                 touching: TouchingFound::default(),
                 planar: None,
+                maps: None,
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

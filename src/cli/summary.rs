@@ -6,6 +6,7 @@ use super::backend::{Backend, Traced};
 use super::budget::Spent;
 use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
+use super::systems::Systems;
 use super::table::{bytes, counted, grouped, rays};
 use super::unmatched::{Leak, Unmatched};
 use super::warnings::Warnings;
@@ -52,6 +53,9 @@ pub(super) struct Summary<'a> {
     /// None where the back end keeps its tree to itself.
     tree: Option<Tree>,
     touching: Touching,
+    /// Reflection systems, if one was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    systems: Option<Systems>,
     seconds: Seconds,
     rays: Rays,
     losses: Losses,
@@ -266,6 +270,7 @@ impl<'a> Summary<'a> {
             },
             truncated: Truncated::of(&outcome.truncated),
             touching: Touching { pairs: outcome.touching.pairs, seconds: outcome.touching.time.as_secs_f64() },
+            systems: Systems::of(outcome, scene),
             shortfall: outcome.shortfall,
             warnings,
             defaults: report.defaults.clone(),
@@ -319,6 +324,9 @@ impl<'a> Summary<'a> {
         if self.touching.pairs > 0 {
             let pairs = counted(self.touching.pairs as u64, "pair");
             line("touching", format!("{pairs} of objects, found in {:.4} s", self.touching.seconds));
+        }
+        for (name, value) in self.systems.iter().flat_map(Systems::lines) {
+            line(name, value);
         }
         let library = self.library.as_ref().map_or(String::new(), |version| format!(" ({version})"));
         let threads = counted(self.threads as u64, "thread");

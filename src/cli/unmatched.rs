@@ -95,6 +95,7 @@ mod tests {
             streams: StreamCounts::default(),
             touching: crate::render::TouchingFound::default(),
             planar: None,
+            maps: None,
             seen: Seen::default(),
         }
     }

@@ -11,6 +11,7 @@ pub(super) fn of(scene: &Scene) -> View {
     let distance = camera.eye.distance(camera.target);
     let fov = match camera.projection {
         Projection::Pinhole { vfov } => vfov,
+        Projection::Map(_) => 90.0,
         Projection::Orthographic { height } => 2.0 * (0.5 * height).atan2(distance).to_degrees(),
     };
     let bounds = bounds(&scene.geometry);

@@ -233,7 +233,7 @@ fn is_opaque(scene: &Scene, object: usize) -> bool {
 fn starts(scene: &Scene) -> Vec<Vec3> {
     let camera = &scene.camera;
     match camera.projection {
-        Projection::Pinhole { .. } => vec![camera.eye],
+        Projection::Pinhole { .. } | Projection::Map(_) => vec![camera.eye],
         Projection::Orthographic { height } => {
             let forward = (camera.target - camera.eye).normalize();
             let right = forward.cross(camera.up).normalize();

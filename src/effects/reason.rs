@@ -81,7 +81,7 @@ impl<'a> Facts<'a> {
                 Environment::Constant(c) if c == Rgb::ZERO => off("it is black"),
                 Environment::Constant(_) => on("rays that meet nothing see one colour"),
                 Environment::Gradient { .. } => on("rays that meet nothing see a gradient"),
-                Environment::LatLong { texture, .. } => {
+                Environment::LatLong { texture, .. } | Environment::Map { texture, .. } => {
                     (true, format!("rays that meet nothing see {}", scene.textures[texture as usize].name))
                 }
             },

@@ -36,6 +36,8 @@ impl View {
         let (half, parallel) = match camera.projection {
             Projection::Pinhole { vfov } => ((f64::from(vfov).to_radians() * 0.5).tan(), false),
             Projection::Orthographic { height } => (f64::from(height) * 0.5, true),
+            // It sees all around.
+            Projection::Map(_) => (f64::INFINITY, false),
         };
         let height = f64::from(settings.height.max(1));
         let half = [half * f64::from(settings.width) / height, half];

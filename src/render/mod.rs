@@ -18,11 +18,13 @@ mod lamp;
 mod light;
 mod limit;
 mod lookup;
+mod maps;
 mod media;
 mod medium;
 mod options;
 mod outcome;
 mod passes;
+mod past;
 mod pattern;
 mod place;
 mod planar;
@@ -49,7 +51,9 @@ pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use limit::Limit;
 pub use options::{Observer, Options, Reflection};
-pub use outcome::{MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
+pub use outcome::{
+    MapsReport, MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound,
+};
 pub use pattern::FilmRay;
 pub use room::need;
 pub use shortfall::{Again, Cure, Shortfall};
@@ -59,19 +63,48 @@ use std::cell::OnceCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use crate::accel::{Intersector, Shafts};
+use glam::Vec3;
+
+use crate::accel::{Coherence, Intersector, Shafts};
 use crate::effects::{self, Effect, Reach};
 use crate::geometry::contact::Contacts;
+use crate::geometry::{Hit8, Ray, Ray8};
 use crate::image::Film;
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
+use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
 use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
+
+/// Takes maps over a hierarchy.
+struct ByAccel<'a, I: Intersector> {
+    accel: &'a I,
+    observer: &'a Observer,
+}
+
+impl<I: Intersector> Taker for ByAccel<'_, I> {
+    fn picture(&self, view: &Scene, options: &Options) -> Result<Film> {
+        if self.observer.stop.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        // Pixels of maps do not count as pixels of the picture.
+        render(view, self.accel, options, &Observer::default()).map(|outcome| outcome.film)
+    }
+
+    fn distances(&self, from: Vec3, dirs: &[Vec3], object: u32) -> Vec<f32> {
+        let rays = Ray8::pack(&dirs.iter().map(|&dir| Ray::new(from, dir)).collect::<Vec<_>>());
+        let mut hits = vec![Hit8::default(); rays.len()];
+        let mut scratch = I::Scratch::default();
+        self.accel.closest(&rays, &mut hits, Coherence::Incoherent, &mut scratch);
+        past::go_on(self.accel, &mut scratch, object, &rays, &mut hits);
+        (0..dirs.len()).map(|i| hits[i / 8].t.lane(i % 8)).collect()
+    }
+}
 
 /// Pixels of one rendered tile.
 struct TileResult {
@@ -97,7 +130,8 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     room::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
     let ready = Ready::of(scene, accel, options).with_shafts(scene, accel);
-    planar::possible(scene, options, ready.mirrors.as_ref())?;
+    planar::possible(scene, ready.mirrors.as_ref())?;
+    let ready = ready.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
     let parts = each(scene, accel, &ready, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
@@ -131,6 +165,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         touching: ready.touching,
         seen: tally.seen,
         planar: ready.mirrors.map(|mirrors| tally.planar.of_mirrors(&mirrors)),
+        maps: ready.maps.map(|taken| taken.report(tally.without_map)),
     })
 }
 
@@ -159,7 +194,13 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let ready = self.ready.get_or_init(|| Ready::of(scene, accel, options).with_shafts(scene, accel));
+        let ready = if let Some(ready) = self.ready.get() {
+            ready
+        } else {
+            let maps = Taken::of(scene, options, &ByAccel { accel, observer })?;
+            let ready = Ready::of(scene, accel, options).with_shafts(scene, accel).with_maps(maps);
+            self.ready.get_or_init(|| ready)
+        };
         let parts = each(scene, accel, ready, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
         for (results, tally) in parts {
@@ -181,6 +222,10 @@ struct Ready<'a> {
     shafts: Option<Shafts<'a>>,
     /// Planar mirrors, where a camera is mirrored in them.
     mirrors: Option<Mirrors>,
+    /// Maps that reflectors show, if any are asked for.
+    maps: Option<Taken>,
+    /// Object that camera rays pass.
+    past: Option<u32>,
 }
 
 impl<'a> Ready<'a> {
@@ -188,9 +233,12 @@ impl<'a> Ready<'a> {
     fn of<I: Intersector>(scene: &Scene, accel: &I, options: &Options) -> Self {
         let bodies = Bodies::of(scene);
         let (contacts, touching) = contacts(scene, options);
-        let eye = eye::bodies_around(scene, accel, &bodies, &contacts);
-        let mirrors = (options.reflection == Reflection::Planar).then(|| Mirrors::of(scene));
-        Self { bodies, contacts, touching, eye, shafts: None, mirrors }
+        let mut eye = eye::bodies_around(scene, accel, &bodies, &contacts);
+        if let Some(passed) = options.past.and_then(|object| bodies.of_object(object)) {
+            eye.retain(|&body| body != passed);
+        }
+        let mirrors = planar::mirrors(scene, options);
+        Self { bodies, contacts, touching, eye, shafts: None, mirrors, maps: None, past: options.past }
     }
 
     /// Adds the shafts if the scene's area lamps need them.
@@ -199,10 +247,17 @@ impl<'a> Ready<'a> {
         Self { shafts, ..self }
     }
 
+    /// The same with maps.
+    fn with_maps(self, maps: Option<Taken>) -> Self {
+        Self { maps, ..self }
+    }
+
     /// Picks the stages that the scene needs.
     fn stages(&self, scene: &Scene, options: &Options) -> Stages {
         let media: Vec<u32> = self.eye.iter().map(|&body| self.bodies.medium(body)).collect();
-        Stages::of(scene, &Reach::of(scene), &media, !self.contacts.is_empty(), options)
+        // What an object hides is no matter of rays that pass it.
+        let reach = if self.past.is_some() { Reach::everything(scene) } else { Reach::of(scene) };
+        Stages::of(scene, &reach, &media, !self.contacts.is_empty(), options)
     }
 
     fn media(&self) -> Media<'_> {
@@ -231,6 +286,7 @@ fn each<I: Intersector>(
         if let Some(mirrors) = &ready.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
+        worker.shading.maps = ready.maps.as_ref().map(|taken| &*taken.maps);
         let mut results = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
@@ -310,6 +366,7 @@ struct Tally {
     streams: StreamCounts,
     seen: Seen,
     planar: PlanarCounts,
+    without_map: u64,
 }
 
 impl Tally {
@@ -322,6 +379,7 @@ impl Tally {
             streams: worker.shading.streams,
             seen: worker.seen(),
             planar: PlanarCounts::of(&worker.shading.passes),
+            without_map: worker.shading.without_map,
         }
     }
 
@@ -333,5 +391,6 @@ impl Tally {
         self.streams.merge(&o.streams);
         self.seen.merge(&o.seen);
         self.planar.merge(&o.planar);
+        self.without_map += o.without_map;
     }
 }

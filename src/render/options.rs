@@ -1,9 +1,11 @@
 //! Options of a render beyond the scene's own settings.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use crate::effects;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::systems::maps::{Maps, Proxy};
 
 /// Treatment of the light that surfaces reflect. Mirrors that show the environment are not affected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -18,6 +20,10 @@ pub enum Reflection {
     /// Traces rays of the camera's mirror image for planar mirrors that the camera sees, directly or in other planar
     /// mirrors ([`crate::systems`]). For all others, traces a ray.
     Planar,
+    /// Looks each reflector's surroundings up in a cube map taken from its centre ([`crate::systems::maps`]).
+    CubeMap,
+    /// The same in a sphere map.
+    SphereMap,
 }
 
 /// Options of one render. Threads and tiles do not change the picture.
@@ -34,6 +40,12 @@ pub struct Options {
     /// Largest number of consecutive mirrors that a camera is mirrored in, under [`Reflection::Planar`]. Light that would
     /// need more is left out, and its weight is counted as truncated.
     pub mirror_levels: u32,
+    /// Stand-in for the surroundings of reflectors that show maps.
+    pub proxy: Proxy,
+    /// Maps taken before, for another camera on the same scene. `None` takes new ones if the reflection asks for maps.
+    pub maps: Option<Arc<Maps>>,
+    /// Object that camera rays pass as if it were not there. All other rays meet it.
+    pub past: Option<u32>,
     /// Effects left out, and the choice of stages.
     pub effects: effects::Options,
     /// Ends rays by a proven bound instead of by their weight (`Settings::cutoff`). The value, above 0, is the largest
@@ -53,6 +65,9 @@ impl Default for Options {
             oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
             mirror_levels: u32::MAX,
+            proxy: Proxy::None,
+            maps: None,
+            past: None,
             effects: effects::Options::default(),
             cutoff_error: None,
             threads: 0,

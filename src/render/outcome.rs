@@ -1,10 +1,12 @@
 //! Results of a render: the picture, and counts of rays, streams and losses.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::limit::Limit;
 use super::shortfall::Shortfall;
 use crate::image::Film;
+use crate::systems::maps::Maps;
 
 /// Finished picture and the counts of its render.
 #[derive(Clone, Debug)]
@@ -37,6 +39,19 @@ pub struct Outcome {
     pub touching: TouchingFound,
     /// Mirrors that the camera was mirrored in, where that was asked for.
     pub planar: Option<PlanarReport>,
+    /// Maps that reflectors show, where that was asked for.
+    pub maps: Option<MapsReport>,
+}
+
+/// Environment maps as reflections.
+#[derive(Clone, Debug)]
+pub struct MapsReport {
+    /// The maps, for other cameras ([`super::Options::maps`]).
+    pub maps: Arc<Maps>,
+    /// Wall time of taking them; 0 where they were there before.
+    pub time: Duration,
+    /// Reflections that were traced for want of a map, or because they were inside a body.
+    pub traced: u64,
 }
 
 /// Planar mirrors by matrix: levels of mirrors in mirrors, and what a matrix did not serve.

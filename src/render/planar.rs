@@ -39,28 +39,19 @@ impl PlanarCounts {
     }
 }
 
+/// Returns the planar mirrors in which cameras are mirrored: none unless that is asked for, and none where rays carry what
+/// those of a mirrored camera would not (polarisation, budgets).
+pub(super) fn mirrors(scene: &Scene, options: &Options) -> Option<Mirrors> {
+    let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
+    (options.reflection == Reflection::Planar && !carries).then(|| Mirrors::of(scene))
+}
+
 /// Checks that a camera can be mirrored in some reflector of the scene.
 ///
 /// # Errors
-/// [`Error::Usage`], where reflectors are there and none is planar, or where rays carry what an image's would not.
-pub(super) fn possible(scene: &Scene, options: &Options, mirrors: Option<&Mirrors>) -> Result<()> {
-    debug_assert_eq!(
-        mirrors.is_some(),
-        options.reflection == Reflection::Planar,
-        "mirrors are found where they are asked for"
-    );
+/// [`Error::Usage`], where reflectors are there and none is planar.
+pub(super) fn possible(scene: &Scene, mirrors: Option<&Mirrors>) -> Result<()> {
     let Some(mirrors) = mirrors else { return Ok(()) };
-    let carried = match (options.fresnel, options.cutoff_error) {
-        (FresnelModel::Polarised, _) => Some("--fresnel polarised"),
-        (_, Some(_)) => Some("--cutoff-error"),
-        _ => None,
-    };
-    if let Some(flag) = carried {
-        return Err(Error::Usage(format!(
-            "--reflection planar: the rays of a mirrored camera carry nothing for {flag}; leave it out, or take \
-             --reflection traced"
-        )));
-    }
     match mirrors.curved.first() {
         Some((object, why)) if mirrors.list.is_empty() => Err(Error::Usage(format!(
             "--reflection planar: `{}` {why}, and no other reflector is planar; give it flat faces without normals of \

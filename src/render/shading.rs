@@ -26,6 +26,7 @@ use crate::math::Real;
 use crate::optics::{Oliveira, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::systems::maps::{Maps, Proxy};
 
 /// Factor that makes up for rounding tolls down to `f32`.
 const ROUNDED_UP: f32 = 1.0 + 1e-6;
@@ -89,6 +90,10 @@ pub struct Shading<'a> {
     pub shafts: Option<&'a Shafts<'a>>,
     /// Cameras mirrored in planar mirrors, and the rays that they still have to trace. Empty if none are requested.
     pub passes: Passes<'a>,
+    /// Maps that reflectors show, the stand-in for their surroundings, and reflections that were traced instead.
+    pub maps: Option<&'a Maps>,
+    pub proxy: Proxy,
+    pub without_map: u64,
     /// Current tile, and index of the current camera ray within its pixel.
     pub tile: Tile,
     pub sample: u32,
@@ -135,6 +140,9 @@ impl<'a> Shading<'a> {
             points: LampPoints::new(&scene.settings.lamps),
             shafts: None,
             passes: Passes::default(),
+            maps: None,
+            proxy: options.proxy,
+            without_map: 0,
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }

@@ -5,6 +5,7 @@ use super::queue::Rgb8;
 use super::shading::Shading;
 use super::{queue::Chunk, surface::HitRef};
 use crate::math::Real;
+use crate::scene::map::turned_back;
 use crate::scene::{Environment, Rgb, Texture};
 use crate::simd::{F32x8, Vec3x8};
 
@@ -22,6 +23,9 @@ pub struct Gradient;
 
 /// Equirectangular picture.
 pub struct LatLong;
+
+/// Environment map.
+pub struct Mapped;
 
 /// Any kind, selected at run time.
 pub struct Any;
@@ -61,6 +65,21 @@ impl Sky for LatLong {
     }
 }
 
+impl Sky for Mapped {
+    #[inline(always)]
+    fn radiance(environment: &Environment, textures: &[Texture], dir: &Vec3x8) -> Rgb8 {
+        let mut out = Vec3x8::splat(Rgb::ZERO);
+        if let Environment::Map { kind, texture, scale, rotation } = environment {
+            let picture = &textures[*texture as usize];
+            for lane in 0..8 {
+                let dir = turned_back(dir.lane(lane), *rotation);
+                out.set_lane(lane, kind.look_up(picture, dir) * *scale);
+            }
+        }
+        out
+    }
+}
+
 impl Sky for Any {
     #[inline(always)]
     fn radiance(environment: &Environment, textures: &[Texture], dir: &Vec3x8) -> Rgb8 {
@@ -68,6 +87,7 @@ impl Sky for Any {
             Environment::Constant(_) => Constant::radiance(environment, textures, dir),
             Environment::Gradient { .. } => Gradient::radiance(environment, textures, dir),
             Environment::LatLong { .. } => LatLong::radiance(environment, textures, dir),
+            Environment::Map { .. } => Mapped::radiance(environment, textures, dir),
         }
     }
 }
@@ -83,6 +103,7 @@ pub fn pick(environment: &Environment) -> Option<MissStage> {
         Environment::Constant(_) => missed::<Constant>,
         Environment::Gradient { .. } => missed::<Gradient>,
         Environment::LatLong { .. } => missed::<LatLong>,
+        Environment::Map { .. } => missed::<Mapped>,
     })
 }
 

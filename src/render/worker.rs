@@ -12,6 +12,7 @@ use super::extra::Extra8;
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::{RayKind, Seen, Stage};
+use super::past;
 use super::queue::{Chunk, State8};
 use super::shading::Shading;
 use super::soft::{SoftStage, SoftStages};
@@ -65,6 +66,8 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) bin_of: Vec<u8>,
     /// By object: true if a ray other than a shadow ray hit it.
     met: Vec<bool>,
+    /// Object that camera rays pass.
+    past: Option<u32>,
     /// Number of camera rays that hit nothing.
     missed: u64,
 
@@ -112,6 +115,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             eye_bodies: media.eye,
             bin_of: scene.objects.iter().map(bin).collect(),
             met: vec![false; scene.objects.len()],
+            past: options.past,
             missed: 0,
             blocks: Vec::new(),
             chunk: Chunk::default(),
@@ -275,6 +279,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
             self.shading.arrivals.hold_back(chunk);
         }
         self.accel.closest(&chunk.rays, &mut hits, coherence, &mut self.scratch);
+        if let Some(object) = self.past.filter(|_| kind == RayKind::Camera) {
+            past::go_on(self.accel, &mut self.scratch, object, &chunk.rays, &mut hits);
+        }
         if self.stages.touching {
             self.arrive(chunk, &mut hits);
         }

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::MapKind;
+
 /// A camera. The picture's x runs right and y down; the middle of the picture looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -30,6 +32,9 @@ pub enum Projection {
         /// Height of the picture in scene units, above zero.
         height: f32,
     },
+    /// Rays leave one point in all directions, as the texels of an environment map show them; the camera's frame is that of
+    /// the map, and the picture has its shape.
+    Map(MapKind),
 }
 
 impl Default for Camera {

@@ -1,6 +1,6 @@
 //! What surrounds the scene.
 
-use super::Rgb;
+use super::{MapKind, Rgb};
 
 /// Radiance by direction, for rays that meet nothing. Seen directly and in reflection and refraction; it lights no
 /// diffuse surface (use ambient for that).
@@ -24,6 +24,17 @@ pub enum Environment {
         /// Place in `Scene::textures`.
         texture: u32,
         /// Factor on the picture.
+        scale: Rgb,
+        /// Turn about +y, in radians, from -z towards +x.
+        rotation: f32,
+    },
+    /// An environment map.
+    Map {
+        /// Its shape.
+        kind: MapKind,
+        /// Index in `Scene::textures`.
+        texture: u32,
+        /// Factor on the map.
         scale: Rgb,
         /// Turn about +y, in radians, from -z towards +x.
         rotation: f32,

@@ -161,9 +161,11 @@ impl Axis {
                 let straight = std::iter::once(level(RefractionModel::StraightThrough));
                 straight.chain(oliveira).chain(others.map(level)).collect()
             }
-            Self::Reflection => [Reflection::None, Reflection::Environment, Reflection::Planar, Reflection::Traced]
-                .map(Level::Reflection)
-                .to_vec(),
+            Self::Reflection => {
+                let untraced = [Reflection::None, Reflection::Environment, Reflection::SphereMap, Reflection::CubeMap];
+                let exact = [Reflection::Planar, Reflection::Traced];
+                untraced.into_iter().chain(exact).map(Level::Reflection).collect()
+            }
             Self::Shadows => [ShadowRule::Opaque, ShadowRule::Straight].map(Level::Shadows).to_vec(),
             Self::Spheres => {
                 let bands = [8, 16, 32, 64, 128].map(Spheres::Bands);
@@ -305,6 +307,8 @@ impl fmt::Display for Level {
             Self::Reflection(Reflection::Environment) => f.write_str("environment"),
             Self::Reflection(Reflection::None) => f.write_str("none"),
             Self::Reflection(Reflection::Planar) => f.write_str("planar"),
+            Self::Reflection(Reflection::CubeMap) => f.write_str("cube-map"),
+            Self::Reflection(Reflection::SphereMap) => f.write_str("sphere-map"),
             Self::Shadows(ShadowRule::Opaque) => f.write_str("opaque"),
             Self::Shadows(ShadowRule::Straight) => f.write_str("straight"),
             Self::Spheres(Spheres::Bands(n)) | Self::Depth(n) => write!(f, "{n}"),

@@ -105,6 +105,7 @@ mod tests {
             seen: Seen::default(),
             touching: TouchingFound::default(),
             planar: None,
+            maps: None,
         };
         let ledger = Ledger::of(&outcome, &film([1.0, 0.5]));
         assert_eq!((ledger.light, ledger.reference), (0.875, 0.75));

@@ -25,6 +25,7 @@ pub mod report;
 pub mod run;
 pub mod size;
 pub mod spheres;
+mod systems;
 pub mod text;
 pub mod variant;
 

@@ -3,6 +3,7 @@
 use super::axis::{Axis, Level};
 use super::engine;
 use super::front::front;
+use super::systems;
 use super::variant::Variant;
 use crate::scene::Scene;
 
@@ -44,6 +45,10 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
                 Level::Backend(backend) if engine::available(backend).is_err() => {
                     let why = engine::available(backend).err().map_or_else(String::new, |e| e.to_string());
                     left_out.push(format!("backend {level}: {why}"));
+                }
+                Level::Reflection(reflection) if systems::unfit(scene, reflection).is_some() => {
+                    let why = systems::unfit(scene, reflection).unwrap_or_default();
+                    left_out.push(format!("reflection {level}: {why}"));
                 }
                 _ => variants.push(default.with(level)),
             }

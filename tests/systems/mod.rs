@@ -3,6 +3,7 @@
 
 use crate::support;
 
+mod maps;
 mod planar;
 
 use vitrum::image::Film;

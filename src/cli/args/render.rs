@@ -21,6 +21,8 @@ use crate::study::Spheres;
   vitrum render scenes/glass.toml -o polarised.png --fresnel polarised
   vitrum render scenes/glass.toml --quiet --json > summary.json
   vitrum render bunny.obj -o holes.png --triangles moller-trumbore
+  vitrum render scenes/mirrors/planar.toml --reflection planar --mirror-levels 4
+  vitrum render scenes/mirrors/maps.toml --reflection cube-map --proxy box
   vitrum render scenes/glass.toml --max-error 1/512
   vitrum render scenes/glass.toml --time-budget 2s
 
@@ -69,6 +71,10 @@ pub(in crate::cli) struct RenderArgs {
     /// Under --reflection planar, mirrors in a row at most; light that needs more is left out [default: as --depth]
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub mirror_levels: Option<u32>,
+
+    /// Under --reflection cube-map and sphere-map, what stands for the surroundings [default: none]
+    #[arg(long, value_enum, help_heading = "Light")]
+    pub proxy: Option<ProxyArg>,
 
     /// What transparent surfaces do to shadows [default: as the scene says]
     #[arg(long, value_enum, help_heading = "Light")]
@@ -145,6 +151,20 @@ pub(in crate::cli) enum ReflectionArg {
     None,
     /// In planar mirrors by the camera's mirror image, as in the lecture notes; elsewhere by rays
     Planar,
+    /// Looked up in cube maps taken from the reflectors' centres
+    CubeMap,
+    /// The same in sphere maps
+    SphereMap,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(in crate::cli) enum ProxyArg {
+    /// Surroundings are taken for infinitely far
+    None,
+    /// A box with the axes of the scene
+    Box,
+    /// A sphere around the reflector's centre
+    Sphere,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -9,7 +9,8 @@ use super::{Overrides, effects, format_of, refuse_input};
 use crate::accel::BuildQuality;
 use crate::accel::native::TriangleModel;
 use crate::cli::args::{
-    BackendArg, BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
+    BackendArg, BitsArg, FresnelArg, ProxyArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg,
+    TrianglesArg,
 };
 use crate::cli::backend::Backend;
 use crate::effects::Effect;
@@ -17,6 +18,7 @@ use crate::image::{Bits, Destination, Format};
 use crate::simd::ReciprocalModel;
 use crate::study::budget::Wish;
 use crate::study::{Axis, Spheres};
+use crate::systems::maps::Proxy;
 use crate::{Error, Result, render};
 
 /// A picture to be rendered.
@@ -70,6 +72,8 @@ impl TryFrom<RenderArgs> for Render {
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
         let backend = backend(&args)?;
         let mirror_levels = mirror_levels(&args)?;
+        refuse_carried(&args)?;
+        let proxy = proxy(&args)?;
         let name = match args.output {
             Some(name) => name,
             None => default_output(&args.scene)?,
@@ -135,7 +139,12 @@ impl TryFrom<RenderArgs> for Render {
                     Some(ReflectionArg::Environment) => render::Reflection::Environment,
                     Some(ReflectionArg::None) => render::Reflection::None,
                     Some(ReflectionArg::Planar) => render::Reflection::Planar,
+                    Some(ReflectionArg::CubeMap) => render::Reflection::CubeMap,
+                    Some(ReflectionArg::SphereMap) => render::Reflection::SphereMap,
                 },
+                proxy,
+                maps: None,
+                past: None,
                 mirror_levels,
                 effects,
                 cutoff_error: args.cutoff_error,
@@ -146,6 +155,40 @@ impl TryFrom<RenderArgs> for Render {
             json: args.json,
             quiet: args.quiet,
         })
+    }
+}
+
+/// Checks that the rays of a mirrored camera have nothing to carry.
+///
+/// # Errors
+/// Usage, where they would have.
+fn refuse_carried(args: &RenderArgs) -> Result<()> {
+    let flag = match (args.fresnel, args.cutoff_error) {
+        (Some(FresnelArg::Polarised), _) => "--fresnel polarised",
+        (_, Some(_)) => "--cutoff-error",
+        _ => return Ok(()),
+    };
+    if matches!(args.reflection, Some(ReflectionArg::Planar)) {
+        return Err(Error::Usage(format!(
+            "{flag}: the rays of a mirrored camera do not carry what it needs; leave it or --reflection planar out"
+        )));
+    }
+    Ok(())
+}
+
+/// Stand-in for the surroundings of reflectors that show maps.
+///
+/// # Errors
+/// Usage, where none does.
+fn proxy(args: &RenderArgs) -> Result<Proxy> {
+    let maps = matches!(args.reflection, Some(ReflectionArg::CubeMap | ReflectionArg::SphereMap));
+    match args.proxy {
+        Some(_) if !maps => Err(Error::Usage(String::from(
+            "--proxy: is for --reflection cube-map and sphere-map, which look surroundings up; give one of them, too",
+        ))),
+        None | Some(ProxyArg::None) => Ok(Proxy::None),
+        Some(ProxyArg::Box) => Ok(Proxy::Box),
+        Some(ProxyArg::Sphere) => Ok(Proxy::Sphere),
     }
 }
 

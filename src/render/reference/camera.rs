@@ -20,6 +20,10 @@ pub(super) fn ray(camera: &Camera, settings: &Settings, x: f64, y: f64) -> (DVec
             let reach = (0.5 * f64::from(vfov).to_radians()).tan();
             (eye, (forward + right * (across * reach) + up * (above * reach)).normalize())
         }
+        Projection::Map(kind) => {
+            let dir = kind.direction(x, y, settings.height);
+            (eye, (right * dir.x + up * dir.y - forward * dir.z).normalize())
+        }
         Projection::Orthographic { height } => {
             let half = 0.5 * f64::from(height);
             (eye + right * (across * half) + up * (above * half), forward)

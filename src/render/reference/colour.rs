@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::surface::equirectangular;
+use crate::scene::map::turned_back;
 use crate::scene::{Beyond, Colour, Environment, Scene};
 
 /// Returns the colour of a surface at `point` with texture coordinates `uv`.
@@ -27,6 +28,10 @@ pub(super) fn of_environment(scene: &Scene, dir: DVec3) -> DVec3 {
         Environment::Gradient { nadir, horizon, zenith } => {
             let end = if dir.y < 0.0 { nadir } else { zenith };
             horizon.as_dvec3().lerp(end.as_dvec3(), dir.y.abs())
+        }
+        Environment::Map { kind, texture, scale, rotation } => {
+            let dir = turned_back(dir.as_vec3(), *rotation);
+            (kind.look_up(&scene.textures[*texture as usize], dir) * *scale).as_dvec3()
         }
         Environment::LatLong { texture, scale, rotation } => {
             let uv = equirectangular(dir);

@@ -1,11 +1,13 @@
-//! Planar mirrors by matrix, for one ray: the camera's ray becomes one of the camera's mirror image.
+//! Reflection systems for one ray: planar mirrors by matrix, where the camera's ray becomes one of the camera's mirror
+//! image, and environment maps.
 
 use glam::DVec3;
 
-use super::Prepared;
 use super::split::Way;
 use super::trace::{Arrival, Branch, Tracer};
-use crate::render::record::Recorder;
+use super::{Prepared, past};
+use crate::accel::reference::{Hit64, Ray64};
+use crate::render::record::{Recorder, Source};
 use crate::render::{Limit, RayKind};
 
 /// A ray of a camera, or of a mirror image of it.
@@ -45,9 +47,31 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let (stack, polarisation) = (at.ray.stack.clone(), way.polarisation);
         self.branches.push(Branch { kind, dir, weight, nm: at.ray.nm, stack, polarisation, start: Some(start) });
     }
+
+    /// Looks what is reflected up in the map of the reflector; sends a ray where there is none, or inside a body.
+    pub(super) fn reflected_in_map(&mut self, at: &Arrival, way: Way) {
+        let (prepared, object) = (self.prepared, at.id.0);
+        let front = at.geometric.dot(at.surface.outward) > 0.0;
+        let inside = !front && prepared.scene.medium_of(object as usize).is_some();
+        let maps = prepared.maps.as_ref().map(|taken| &*taken.maps);
+        let Some((maps, map)) = maps.and_then(|maps| Some((maps, maps.of(object).filter(|_| !inside)?))) else {
+            self.tally.without_map += 1;
+            return self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone());
+        };
+        let seen = maps.look_up(map, prepared.proxy, at.surface.point.as_vec3(), at.mirrored().as_vec3());
+        self.add(at.ray.node, Source::MirroredEnvironment, at.ray.weight * way.share * seen.as_dvec3());
+    }
 }
 
 impl Prepared<'_> {
+    /// Returns the nearest hit of a ray. Camera rays pass the object that they are asked to pass.
+    pub(super) fn nearest(&self, ray: &Ray64, kind: RayKind) -> Hit64 {
+        match self.past.filter(|_| kind == RayKind::Camera) {
+            Some(object) => past(&self.accel, ray, object),
+            None => self.accel.closest(ray),
+        }
+    }
+
     /// The direction and the start of the mirror image of a ray that met a mirror.
     fn image_of(&self, at: &Arrival) -> Option<(DVec3, Start)> {
         let (mirrors, image) = (self.mirrors.as_ref()?, at.ray.image?);

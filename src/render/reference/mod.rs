@@ -20,22 +20,24 @@ mod trace;
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::ceiling::Ceiling;
+use super::maps::{Taken, Taker};
 use super::pattern::LampPoints;
 use super::planar::{self, PlanarCounts};
 use super::record::{Off, Recorder, Tree};
 use super::{FilmRay, Limit, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
 use crate::accel::BuildStats;
-use crate::accel::reference::Reference;
+use crate::accel::reference::{Hit64, Ray64, Reference};
 use crate::effects::{self, Effect};
 use crate::geometry::contact::Contacts;
 use crate::image::Film;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
 use crate::scene::{Bodies, Material, Scene};
 use crate::system::threads;
+use crate::systems::maps::Proxy;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
 use media::{Filled, MediumStack};
@@ -59,6 +61,11 @@ pub struct Prepared<'a> {
     /// Planar mirrors in which cameras are mirrored, if that is requested, and the largest number of consecutive ones.
     mirrors: Option<Mirrors>,
     mirror_levels: u32,
+    /// Maps that reflectors show, if any were taken, and the stand-in for their surroundings.
+    maps: Option<Taken>,
+    proxy: Proxy,
+    /// Object that camera rays pass.
+    past: Option<u32>,
     /// True if light ends where it would be totally reflected.
     total_is_lost: bool,
     /// Tolls of rays of weight 1, if a proven cut-off is requested, or the reason why there are none.
@@ -85,7 +92,7 @@ impl<'a> Prepared<'a> {
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
         let &Options { fresnel, oliveira, reflection, mirror_levels, .. } = options;
-        let mirrors = (reflection == Reflection::Planar).then(|| Mirrors::of(scene));
+        let mirrors = planar::mirrors(scene, options);
         let refraction = options.bending();
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
@@ -108,6 +115,9 @@ impl<'a> Prepared<'a> {
             reflection,
             mirrors,
             mirror_levels,
+            maps: None,
+            proxy: options.proxy,
+            past: options.past,
             total_is_lost,
             tolls,
             max_depth: settings.max_depth,
@@ -229,6 +239,38 @@ fn film_ray(x: f64, y: f64) -> FilmRay {
     FilmRay { pixel: [x, y].map(|at| at.floor().max(0.0) as u32), sample: 0 }
 }
 
+/// Takes maps in `f64`.
+struct ByReference<'a> {
+    accel: &'a Reference,
+    observer: &'a Observer,
+}
+
+impl Taker for ByReference<'_> {
+    fn picture(&self, view: &Scene, options: &Options) -> Result<Film> {
+        if self.observer.stop.load(Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        render(view, options, &Observer::default()).map(|outcome| outcome.film)
+    }
+
+    fn distances(&self, from: Vec3, dirs: &[Vec3], object: u32) -> Vec<f32> {
+        let ray = |dir: &Vec3| Ray64::new(from.as_dvec3(), dir.as_dvec3());
+        dirs.iter().map(|dir| past(self.accel, &ray(dir), object).t as f32).collect()
+    }
+}
+
+/// Returns the nearest hit on anything but `object`.
+fn past(accel: &Reference, ray: &Ray64, object: u32) -> Hit64 {
+    let mut ray = *ray;
+    loop {
+        let hit = accel.closest(&ray);
+        if !hit.is_hit() || hit.geometry != object {
+            return hit;
+        }
+        ray.t_min = hit.t;
+    }
+}
+
 /// One row of the picture.
 struct Row {
     radiance: Vec<[f32; 3]>,
@@ -248,7 +290,9 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
     super::room::need(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
     Reference::need(&scene.geometry)?;
-    picture(&Prepared::with(scene, options), options, observer)
+    let mut prepared = Prepared::with(scene, options);
+    prepared.maps = Taken::of(scene, options, &ByReference { accel: &prepared.accel, observer })?;
+    picture(&prepared, options, observer)
 }
 
 /// Renders a prepared scene as [`render`] does, with the formulas it was prepared with.
@@ -260,7 +304,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
         return Err(Error::Usage(reason.clone()));
     }
     let mirrors = prepared.mirrors.as_ref();
-    planar::possible(prepared.scene, options, mirrors)?;
+    planar::possible(prepared.scene, mirrors)?;
     let pool = threads::pool(options.thread_count())?;
     let settings = &prepared.scene.settings;
     let (width, height) = (settings.width, settings.height);
@@ -294,6 +338,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
             missed: counts.missed,
             lit: counts.lit,
         },
+        maps: prepared.maps.as_ref().map(|taken| taken.report(counts.without_map)),
         planar: mirrors.map(|mirrors| PlanarCounts::default().of_mirrors(mirrors)),
     })
 }

@@ -30,6 +30,8 @@ pub struct Tally {
     pub met: BTreeSet<u32>,
     /// Number of camera rays that hit nothing.
     pub missed: u64,
+    /// Reflections that were traced for want of a map.
+    pub without_map: u64,
     /// True if any surface reflected light of a lamp.
     pub lit: bool,
 }
@@ -69,6 +71,7 @@ impl Tally {
         self.clamped += o.clamped;
         self.unmatched_exits.merge(&o.unmatched_exits);
         self.met.extend(&o.met);
+        self.without_map += o.without_map;
         self.missed += o.missed;
         self.lit |= o.lit;
     }

@@ -117,7 +117,7 @@ pub(super) struct Tracer<'a, 'r, L: Recorder> {
     shadows_turned: DVec3,
     /// Wavelengths that white light divides into.
     pub bands: &'a Bands,
-    tally: Tally,
+    pub(super) tally: Tally,
     pending: Vec<Pending>,
     /// Secondary rays of the current surface.
     pub branches: Vec<Branch>,
@@ -169,7 +169,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let hit = match ray.through {
             // The ray is still at the last layer it left.
             Some(_) => Hit64 { t: 0.0, ..Hit64::MISS },
-            None => self.prepared.accel.closest(&line),
+            None => self.prepared.nearest(&line, ray.kind),
         };
         let absorption = scene.media[ray.stack.top(filled) as usize].absorption.as_dvec3();
         ray.weight *= DVec3::from(transmittance(absorption.into(), hit.t - clip));
@@ -278,7 +278,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     }
 
     /// Adds a contribution to the pixel and records it.
-    fn add(&mut self, node: Node, source: Source, radiance: DVec3) {
+    pub(super) fn add(&mut self, node: Node, source: Source, radiance: DVec3) {
         self.tally.add(radiance);
         self.note(node, |event| event.shares.push(Share::free(source, radiance)));
     }
@@ -432,6 +432,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             Reflection::Traced => self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone()),
             Reflection::Environment => self.mirror_environment(at, way.share),
             Reflection::None => self.not_reflected(at, way.share),
+            Reflection::CubeMap | Reflection::SphereMap => self.reflected_in_map(at, way),
             Reflection::Planar => self.reflected_by_matrix(at, way),
         }
     }

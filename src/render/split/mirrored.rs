@@ -1,15 +1,16 @@
 //! Treatment of reflected light: traced, looked up in the environment, or left out.
 
+use super::super::accumulate::set_lanes;
 use super::super::extra::Extra8;
 use super::super::limit::Limit;
 use super::super::options::Reflection;
 use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
 use super::super::shading::Shading;
-use super::super::sky::{Constant, Gradient, LatLong, Sky};
+use super::super::sky::{Constant, Gradient, LatLong, Mapped, Sky};
 use super::super::surface::Surface8;
 use crate::geometry::GeometryMask;
-use crate::scene::{Environment, Scene};
+use crate::scene::{Environment, Rgb, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
 /// Function that handles light of the given weight that leaves eight surfaces in a direction of about unit length. The
@@ -24,7 +25,9 @@ pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
         (Reflection::Environment, Environment::Constant(_)) => looked_up::<Constant>,
         (Reflection::Environment, Environment::Gradient { .. }) => looked_up::<Gradient>,
         (Reflection::Environment, Environment::LatLong { .. }) => looked_up::<LatLong>,
+        (Reflection::Environment, Environment::Map { .. }) => looked_up::<Mapped>,
         (Reflection::None, _) => none,
+        (Reflection::CubeMap | Reflection::SphereMap, _) => in_map,
         (Reflection::Planar, _) => mirrored_camera,
     }
 }
@@ -94,6 +97,35 @@ fn looked_up<S: Sky>(
     let scene = shading.scene;
     let seen = S::radiance(&scene.environment, &scene.textures, &dir.normalized());
     shading.accumulator.add_radiance8(lanes, &surface.pixel, &seen.times(weight));
+}
+
+/// In the map of the reflector; by a ray where it has none, or the light is reflected inside a body.
+fn in_map(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    extra: Option<&Extra8>,
+    depth: usize,
+) {
+    let mut left = lanes;
+    if let Some(maps) = shading.maps {
+        let mut seen = Vec3x8::splat(Rgb::ZERO);
+        for lane in set_lanes(lanes) {
+            let object = surface.hit[lane].geometry;
+            let inside = !surface.front.lane(lane) && shading.scene.medium_of(object as usize).is_some();
+            let Some(map) = maps.of(object).filter(|_| !inside) else { continue };
+            let dir = dir.lane(lane).normalize();
+            seen.set_lane(lane, maps.look_up(map, shading.proxy, surface.point.lane(lane), dir));
+            left &= !(1 << lane);
+        }
+        shading.accumulator.add_radiance8(lanes & !left, &surface.pixel, &seen.times(weight));
+        shading.without_map += u64::from(left.count_ones());
+    }
+    if left != 0 {
+        traced(shading, surface, left, dir, weight, extra, depth);
+    }
 }
 
 /// Leaves the reflection out, and counts its weight as truncated.

@@ -51,6 +51,7 @@ fn pick_for<O: Optics>(class: Class, scene: &Scene, options: &Options, touching:
             Environment::Constant(_) => mirror::of_environment::<sky::Constant>,
             Environment::Gradient { .. } => mirror::of_environment::<sky::Gradient>,
             Environment::LatLong { .. } => mirror::of_environment::<sky::LatLong>,
+            Environment::Map { .. } => mirror::of_environment::<sky::Mapped>,
         }),
         Class::Conductor => Some(mirror::conductor::<O>),
         Class::Dielectric => Some(dielectric::pick::<O>(options.bending(), disperses(scene, options), touching)),

@@ -1,0 +1,57 @@
+//! What map is to be written.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+use super::super::args::{MapArgs, MapKindArg};
+use super::super::backend::Backend;
+use super::{format_of, refuse_input};
+use crate::image::{Destination, Format};
+use crate::scene::MapKind;
+use crate::{Error, Result, render};
+
+/// A map to be written.
+#[derive(Debug)]
+pub(in crate::cli) struct Map {
+    pub scene: PathBuf,
+    /// In the scene's own coordinates.
+    pub at: DVec3,
+    pub kind: MapKind,
+    pub size: u32,
+    pub output: Destination,
+    pub format: Format,
+    pub samples: Option<u32>,
+    pub backend: Backend,
+    /// True if the back end was asked for.
+    pub chosen: bool,
+    pub options: render::Options,
+    pub quiet: bool,
+}
+
+impl TryFrom<MapArgs> for Map {
+    type Error = Error;
+
+    fn try_from(args: MapArgs) -> Result<Self> {
+        refuse_input("-o", &args.output, [args.scene.as_path()])?;
+        let output = Destination::new(&args.output)?;
+        let format = format_of(&output)?;
+        Ok(Self {
+            scene: args.scene,
+            at: args.at,
+            kind: match args.kind {
+                MapKindArg::Cube => MapKind::Cube,
+                MapKindArg::Sphere => MapKind::Sphere,
+                MapKindArg::Latlong => MapKind::LatLong,
+            },
+            size: args.size,
+            output,
+            format,
+            samples: args.samples,
+            backend: Backend::choose(args.backend)?,
+            chosen: args.backend.is_some(),
+            options: render::Options { threads: args.threads.unwrap_or(0) as usize, ..render::Options::default() },
+            quiet: args.quiet,
+        })
+    }
+}

@@ -1,0 +1,106 @@
+//! Environment maps taken by the renderer itself, of each reflector's surroundings.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::{Mat3, Vec3};
+
+use super::options::{Options, Reflection};
+use super::outcome::MapsReport;
+use crate::image::Film;
+use crate::scene::{Camera, MapKind, Projection, Scene, Texture};
+use crate::systems::maps::{Maps, ReflectorMap, Surroundings, Wanted, directions};
+use crate::{Error, Result};
+
+/// Directions a side of each face, along which surroundings are looked for.
+const LOOKS: u32 = 16;
+
+/// What takes maps: a renderer and its hierarchy.
+pub(super) trait Taker {
+    /// The picture of a view in which camera rays pass by an object.
+    fn picture(&self, view: &Scene, options: &Options) -> Result<Film>;
+
+    /// Distances to what rays from a point meet beside an object; infinite where that is nothing.
+    fn distances(&self, from: Vec3, dirs: &[Vec3], object: u32) -> Vec<f32>;
+}
+
+/// Maps, and the time they took.
+#[derive(Debug)]
+pub(super) struct Taken {
+    pub maps: Arc<Maps>,
+    time: Duration,
+}
+
+impl Taken {
+    /// Takes the maps that the options ask for, unless they bring them; none where they ask for none.
+    pub fn of(scene: &Scene, options: &Options, taker: &impl Taker) -> Result<Option<Self>> {
+        let kind = match options.reflection {
+            Reflection::CubeMap => MapKind::Cube,
+            Reflection::SphereMap => MapKind::Sphere,
+            _ => return Ok(None),
+        };
+        if let Some(maps) = &options.maps {
+            if maps.kind == kind {
+                return Ok(Some(Self { maps: maps.clone(), time: Duration::ZERO }));
+            }
+            return Err(Error::Usage(format!(
+                "--reflection: the maps at hand are {} maps and not {} maps; take new ones",
+                maps.kind.name(),
+                kind.name()
+            )));
+        }
+        let start = Instant::now();
+        let maps = take(scene, kind, options, taker)?;
+        Ok(Some(Self { maps: Arc::new(maps), time: start.elapsed() }))
+    }
+
+    /// What is told of them. `traced` reflections were traced for want of a map.
+    pub fn report(&self, traced: u64) -> MapsReport {
+        MapsReport { maps: self.maps.clone(), time: self.time, traced }
+    }
+}
+
+fn take(scene: &Scene, kind: MapKind, options: &Options, taker: &impl Taker) -> Result<Maps> {
+    let (wanted, without) = Maps::wanted(scene, kind);
+    let mut view = scene.clone();
+    let looks = directions(LOOKS);
+    let mut list = Vec::new();
+    for Wanted { object, centre, size } in wanted {
+        // The singular direction of a sphere map is then the one farthest from what the camera sees mirrored.
+        let towards = (scene.camera.eye - centre).try_normalize().unwrap_or(Vec3::Z);
+        let (target, up) = match kind {
+            MapKind::Sphere => (centre - towards, scene.camera.up),
+            MapKind::Cube | MapKind::LatLong => (centre + Vec3::NEG_Z, Vec3::Y),
+        };
+        let up = if up.cross(towards).length() < 1e-3 && kind == MapKind::Sphere {
+            towards.any_orthonormal_vector()
+        } else {
+            up
+        };
+        view.camera = Camera { eye: centre, target, up, projection: Projection::Map(kind), medium: None };
+        [view.settings.width, view.settings.height] = kind.shape(size);
+        let options = Options { reflection: Reflection::Traced, past: Some(object), maps: None, ..options.clone() };
+        let film = taker.picture(&view, &options)?;
+        let distances = taker.distances(centre, &looks, object);
+        list.push(ReflectorMap {
+            object,
+            centre,
+            frame: frame(&view.camera),
+            picture: texture(&scene.objects[object as usize].name, film),
+            surroundings: Surroundings::of(looks.iter().copied().zip(distances)),
+        });
+    }
+    Ok(Maps::new(scene, kind, list, without))
+}
+
+/// From the scene's frame to that of the camera: x right, y up, z backwards.
+fn frame(camera: &Camera) -> Mat3 {
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    Mat3::from_cols(right, right.cross(forward), -forward).transpose()
+}
+
+fn texture(name: &str, film: Film) -> Texture {
+    let pixels = film.pixels.into_iter().map(Vec3::from).collect();
+    Texture { name: name.into(), width: film.width, height: film.height, pixels }
+}
