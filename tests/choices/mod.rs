@@ -2,6 +2,7 @@
 
 use crate::support;
 
+#[cfg(feature = "cli")]
 mod command;
 mod cutoff;
 mod polarisation;
