@@ -1,97 +1,99 @@
-//! What surrounds a ray: stacks of media with priorities, interned, so that a lane carries one small number.
+//! Media around a ray: interned stacks of media with priorities, so that a lane carries one small number.
 //!
 //! Nested dielectrics after Schmidt & Budge 2002 ("Simple nested dielectrics in ray traced images"), with a rule for
-//! surfaces left that were never entered; `src/README.md`, "What a ray does", step 3, states all of it.
+//! leaving a surface that was never entered. `src/README.md`, "What a ray does", step 3, states all rules.
 //!
-//! The wavelength of a ray is part of its stack: a red ray in glass has another stack than a blue or a white one, so
-//! that every table of this file has the indices of that wavelength, and a ray carries nothing more for it.
+//! The wavelength of a ray is part of its stack: a red ray in glass has another stack than a blue or a white one. So
+//! every table here holds the indices for that wavelength, and rays carry no further field for it.
 
 use std::collections::HashMap;
 
 use crate::optics::{Boundary, Spectrum};
 use crate::scene::{Bodies, Medium, Rgb};
 
-/// An interned stack; its meaning is local to one [`MediaTable`].
+/// Index of an interned stack within one [`MediaTable`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct StackId(u32);
 
-/// A number for a fan of wavelengths; its meaning is local to one [`MediaTable`].
+/// Index of a fan of wavelengths within one [`MediaTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FanId(u32);
 
-/// Stacks that one table holds before it begins anew with the next sample.
+/// Number of stacks above which a table is cleared before the next sample.
 const MANY_STACKS: usize = 1 << 12;
 
-/// Stacks that one table holds before it refuses more: far above any scene, and a bound on its memory.
+/// Number of stacks above which a table interns no more. Far above any scene; bounds the memory.
 const MOST_STACKS: usize = 1 << 16;
 
-/// What crossing a dielectric surface does.
+/// Effect of crossing a dielectric surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition {
-    /// Whether there is a boundary at all; if not, the ray goes straight on in `beyond`.
+    /// True if the surface is a boundary between media. Otherwise the ray passes straight on in `beyond`.
     pub real: bool,
-    /// The boundary, from the medium the ray is in to the one beyond.
+    /// Boundary from the ray's medium to the one beyond.
     pub boundary: Boundary<f32>,
-    /// The same boundary seen from its thinner side, for light that crosses unbent.
+    /// The same boundary seen from its optically thinner side, for light that crosses without bending.
     pub thin_side: Boundary<f32>,
-    /// The stack of a ray that crosses.
+    /// Stack of a ray that crosses.
     pub beyond: StackId,
-    /// Whether the ray leaves a medium that it never entered.
+    /// True if the ray leaves a medium that it never entered.
     pub unmatched: bool,
-    /// Where white light crosses into or out of a medium that disperses it: what each wavelength does.
+    /// Fan of wavelengths, where white light crosses into or out of a dispersive medium.
     pub fan: Option<FanId>,
-    /// The media before and behind.
+    /// Indices of the media before and behind the surface.
     pub media: [u32; 2],
 }
 
-/// A boundary for each wavelength of the current set.
+/// Boundaries for all wavelengths of the current set.
 #[derive(Clone, Debug, Default)]
 pub struct Fan {
-    /// The wavelengths, rising.
+    /// Bands by rising wavelength.
     pub bands: Vec<Band>,
-    /// The bands that are refracted least and most, by the ratio of their indices.
+    /// Indices of the bands with the smallest and the largest ratio of refractive indices: those refracted least and
+    /// most.
     pub outermost: [usize; 2],
 }
 
 /// One wavelength at a boundary.
 #[derive(Clone, Copy, Debug)]
 pub struct Band {
-    /// The boundary it meets.
+    /// Boundary for this wavelength.
     pub boundary: Boundary<f32>,
-    /// The stack of a ray of that wavelength that crosses.
+    /// Stack of a ray of this wavelength that crosses.
     pub beyond: StackId,
 }
 
-/// Interned stacks, their top media, and every transition met so far. One a thread: ids never leave it.
+/// Interned stacks, their top media, and every transition found so far. Each thread has its own; ids never leave it.
 #[derive(Debug)]
 pub struct MediaTable<'a> {
     media: &'a [Medium],
     bodies: &'a Bodies,
-    /// What white light divides into; none where it does not.
+    /// Wavelengths that white light divides into. `None` if white light never divides.
     spectrum: Option<Spectrum>,
-    /// The set of wavelengths of the current sample.
+    /// Index of the wavelength set of the current sample.
     set: usize,
     stacks: Vec<Stack>,
     ids: HashMap<Stack, StackId>,
-    /// By stack, then `body * 2 + entering`.
+    /// By stack, then by `body * 2 + entering`.
     transitions: Vec<Vec<Option<Transition>>>,
-    /// By stack and the (body, entering) of surfaces that coincide.
+    /// By stack and the (body, entering) pairs of coinciding surfaces.
     joint: HashMap<(StackId, Vec<(u32, bool)>), Transition>,
     tops: Vec<Top>,
-    /// By fan, what it is made of.
+    /// By fan: its boundary.
     plans: Vec<Plan>,
-    /// By fan, then set; without bands until learned.
+    /// By fan, then by wavelength set. Without bands until computed.
     fans: Vec<Vec<Fan>>,
 }
 
-/// The bodies a ray has entered by rising rank, and its wavelength: 0 is white, others count through all sets.
+/// Bodies a ray has entered, by rising rank, and its wavelength. Wavelength 0 is white; the others are counted through
+/// all sets.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Stack {
     entered: Vec<u32>,
     wave: u32,
 }
 
-/// A boundary whose wavelengths may part: the media on its sides, and the bodies a ray behind it has entered.
+/// Boundary that may separate wavelengths: the media on both sides, and the bodies that a ray behind it has entered.
 #[derive(Clone, Debug)]
 struct Plan {
     from: u32,
@@ -99,7 +101,7 @@ struct Plan {
     entered: Vec<u32>,
 }
 
-/// What the medium on top of a stack does to a ray inside it.
+/// Optical properties of the medium on top of a stack.
 #[derive(Clone, Copy, Debug)]
 struct Top {
     medium: u32,
@@ -109,7 +111,7 @@ struct Top {
 }
 
 impl<'a> MediaTable<'a> {
-    /// A table over the scene's media, of which the first surrounds everything. White light stays white.
+    /// Creates a table over the scene's media. The first medium surrounds everything. White light stays white.
     #[must_use]
     pub fn new(media: &'a [Medium], bodies: &'a Bodies) -> Self {
         let mut table = Self {
@@ -129,20 +131,20 @@ impl<'a> MediaTable<'a> {
         table
     }
 
-    /// The same, with white light divided where media disperse it.
+    /// Creates a table that divides white light where media disperse it.
     #[must_use]
     pub fn dispersing(media: &'a [Medium], bodies: &'a Bodies, spectrum: Spectrum) -> Self {
         Self { spectrum: Some(spectrum), ..Self::new(media, bodies) }
     }
 
-    /// Whether white light is divided.
+    /// Returns true if the table divides white light.
     #[must_use]
     pub fn disperses(&self) -> bool {
         self.spectrum.is_some()
     }
 
-    /// Makes ready for the `sample`th rays of the pixels, with the wavelengths of those. Stacks and fans of earlier
-    /// samples mean nothing any more.
+    /// Prepares for the `sample`th camera rays of the pixels, and selects their wavelengths. Invalidates all stacks and
+    /// fans of earlier samples.
     pub fn begin_sample(&mut self, sample: u32) {
         if let Some(spectrum) = &self.spectrum {
             self.set = spectrum.set_of(sample);
@@ -164,7 +166,7 @@ impl<'a> MediaTable<'a> {
         self.intern(Stack { entered: Vec::new(), wave: 0 });
     }
 
-    /// The stack of a white ray that entered these bodies.
+    /// Returns the stack of a white ray that entered these bodies.
     pub fn stack_of(&mut self, entered: &[u32]) -> StackId {
         let mut stack = Vec::new();
         for &body in entered {
@@ -173,27 +175,27 @@ impl<'a> MediaTable<'a> {
         self.intern(Stack { entered: stack, wave: 0 })
     }
 
-    /// The media a ray with this stack has entered, the one that fills the space last.
+    /// Returns the media that a ray with this stack has entered. The last one fills the space around it.
     #[must_use]
     pub fn entered(&self, stack: StackId) -> Vec<u32> {
         self.stacks[stack.0 as usize].entered.iter().map(|&body| self.bodies.medium(body)).collect()
     }
 
-    /// The medium a ray with this stack is in.
+    /// Returns the medium that a ray with this stack is in.
     #[inline]
     #[must_use]
     pub fn top(&self, stack: StackId) -> u32 {
         self.tops[stack.0 as usize].medium
     }
 
-    /// Its index of refraction for light of the ray's wavelength.
+    /// Returns the refractive index of the top medium at the ray's wavelength.
     #[inline]
     #[must_use]
     pub fn ior(&self, stack: StackId) -> f64 {
         self.tops[stack.0 as usize].ior
     }
 
-    /// Its absorption per scene unit; `None` where it absorbs nothing.
+    /// Returns the absorption of the top medium per scene unit, or `None` if it absorbs nothing.
     #[inline]
     #[must_use]
     pub fn absorption(&self, stack: StackId) -> Option<Rgb> {
@@ -201,14 +203,14 @@ impl<'a> MediaTable<'a> {
         top.absorbs.then_some(top.absorption)
     }
 
-    /// The body of a transparent object; none where it holds no medium.
+    /// Returns the body of a transparent object, or `None` if it bounds no medium.
     #[inline]
     #[must_use]
     pub fn body_of(&self, object: u32) -> Option<u32> {
         self.bodies.of_object(object)
     }
 
-    /// The transition of a ray in `stack` at a surface of `body`, which it enters or leaves.
+    /// Returns the transition of a ray in `stack` that enters or leaves `body`.
     #[inline]
     pub fn cross(&mut self, stack: StackId, body: u32, entering: bool) -> Transition {
         let slot = body as usize * 2 + usize::from(entering);
@@ -220,8 +222,9 @@ impl<'a> MediaTable<'a> {
         new
     }
 
-    /// The transition of a ray in `stack` where surfaces of several bodies coincide: all that it leaves are removed and
-    /// all that it enters are added, then the media before and behind make one boundary. Equal media make none.
+    /// Returns the transition of a ray in `stack` where surfaces of several bodies coincide. All bodies left are
+    /// removed and all bodies entered are added. The media before and behind then form one boundary, or none if they
+    /// are alike.
     pub fn cross_all(&mut self, stack: StackId, surfaces: &[(u32, bool)]) -> Transition {
         let key = (stack, surfaces.to_vec());
         if let Some(known) = self.joint.get(&key) {
@@ -239,7 +242,7 @@ impl<'a> MediaTable<'a> {
             insert(&mut list, body, self.bodies);
         }
         let mut from = self.top(stack);
-        // The medium that is left without having been entered is taken for where the ray is, where nothing else is entered.
+        // If nothing is entered, a medium left without having been entered counts as the medium around the ray.
         if let (Some(body), true) = (unmatched, surfaces.iter().all(|&(_, entering)| !entering)) {
             from = self.bodies.medium(body);
         }
@@ -250,19 +253,19 @@ impl<'a> MediaTable<'a> {
         new
     }
 
-    /// How many wavelengths a white ray divides into.
+    /// Returns the number of wavelengths that a white ray divides into.
     #[must_use]
     pub fn bands(&self) -> usize {
         self.spectrum.as_ref().map_or(0, |s| s.sets()[self.set].nm.len())
     }
 
-    /// What the `k`th wavelength of the current set adds to each channel of white.
+    /// Returns the colour that the `k`th wavelength of the current set contributes to white, per channel.
     #[must_use]
     pub fn band_weight(&self, k: usize) -> Rgb {
         self.spectrum.as_ref().map_or(Rgb::ZERO, |s| s.sets()[self.set].weight[k].into())
     }
 
-    /// Sees to it that [`MediaTable::known_fan`] has this fan for the current set.
+    /// Computes a fan for the current set, so that [`MediaTable::known_fan`] can return it.
     #[inline]
     pub fn learn_fan(&mut self, id: FanId) {
         let (fan, set) = (id.0 as usize, self.set);
@@ -271,14 +274,14 @@ impl<'a> MediaTable<'a> {
         }
     }
 
-    /// What each wavelength of the current set does where a white ray crosses; learned before.
+    /// Returns a fan for the current set; [`MediaTable::learn_fan`] must have computed it.
     #[inline]
     #[must_use]
     pub fn known_fan(&self, id: FanId) -> &Fan {
         &self.fans[id.0 as usize][self.set]
     }
 
-    /// The entry of a stack that leaving `body` removes: its own, else another one of its medium.
+    /// Returns the position in `list` that leaving `body` removes: its own entry, else another one of the same medium.
     fn place_of(&self, list: &[u32], body: u32) -> Option<usize> {
         let medium = self.bodies.medium(body);
         let own = list.iter().rposition(|&b| b == body);
@@ -310,7 +313,7 @@ impl<'a> MediaTable<'a> {
             && list.last().is_none_or(|&top| self.bodies.rank(body) >= self.bodies.rank(top))
     }
 
-    /// The boundary between two media for rays of the wavelength of `after`, and the fan of white ones.
+    /// Returns the boundary between two media at the wavelength of `after`, with a fan if the ray is white.
     fn transition(
         &mut self,
         before: StackId,
@@ -350,7 +353,7 @@ impl<'a> MediaTable<'a> {
         Fan { bands, outermost: [least.unwrap_or(0), most.unwrap_or(0)] }
     }
 
-    /// The index of a medium for light of a wavelength, or of none in particular.
+    /// Returns the index of a medium at a wavelength; `wave` = 0, white, gives the index at the line d.
     fn index(&self, medium: u32, wave: u32) -> f64 {
         let medium = &self.media[medium as usize];
         match (&self.spectrum, wave) {
@@ -363,7 +366,8 @@ impl<'a> MediaTable<'a> {
         }
     }
 
-    /// A table that is full keeps the ray in its stack: wrong media in a scene of 65,536 nestings, but bounded.
+    /// Interns `stack`, or returns `before` if the table is full. A scene with over 65,536 nestings then gets wrong
+    /// media, but bounded memory.
     fn beyond(&mut self, before: StackId, stack: Stack) -> StackId {
         if self.stacks.len() < MOST_STACKS { self.intern(stack) } else { before }
     }
@@ -384,7 +388,7 @@ impl<'a> MediaTable<'a> {
     }
 }
 
-/// Puts `body` where its rank belongs: above all of its own rank or lower, below all of higher. The top is the end of the
+/// Inserts `body` by rank: above all bodies of equal or lower rank, below all of higher rank. The top is the end of the
 /// list.
 fn insert(stack: &mut Vec<u32>, body: u32, bodies: &Bodies) {
     let rank = bodies.rank(body);
@@ -392,8 +396,8 @@ fn insert(stack: &mut Vec<u32>, body: u32, bodies: &Bodies) {
     stack.insert(at, body);
 }
 
-/// The medium that fills space where `stack` has been entered: its top, unless what surrounds everything comes before
-/// that.
+/// Returns the medium that fills the space inside the bodies of `stack`: that of the top, unless medium 0 has a higher
+/// priority.
 fn filling(stack: &[u32], bodies: &Bodies, media: &[Medium]) -> u32 {
     let top = stack.last().map(|&body| bodies.medium(body));
     top.filter(|&m| media[m as usize].priority >= media[0].priority).unwrap_or(0)
@@ -408,7 +412,7 @@ mod tests {
         Medium { name: name.into(), ior, dispersion: Dispersion::None, absorption: Rgb::ZERO, priority }
     }
 
-    /// Air, glass, water, ice: ice in water in a glass, with ice above glass above water.
+    /// Air, glass, water, ice. Ice floats in water in a glass; ice has priority over glass, and glass over water.
     fn drink() -> Vec<Medium> {
         vec![Medium::air(), medium("glass", 1.5, 10), medium("water", 1.33, 5), medium("ice", 1.31, 20)]
     }
@@ -423,7 +427,7 @@ mod tests {
         let into_glass = table.cross(air, 1, true);
         assert!(into_glass.real);
         assert!((into_glass.boundary.eta - 1.0 / 1.5).abs() < 1e-6);
-        // The water's surface inside the wall is not there.
+        // The water surface inside the wall is passed.
         let water_in_wall = table.cross(into_glass.beyond, 2, true);
         assert!(!water_in_wall.real);
         assert_eq!(table.top(water_in_wall.beyond), 1);
@@ -432,7 +436,7 @@ mod tests {
         assert!(into_water.real);
         assert!((into_water.boundary.eta - (1.5 / 1.33) as f32).abs() < 1e-6);
         assert_eq!(table.top(into_water.beyond), 2);
-        // Ice wins over water, and gives it back.
+        // Ice has priority over water; beyond the ice the water continues.
         let into_ice = table.cross(into_water.beyond, 3, true);
         assert!(into_ice.real);
         let out_of_ice = table.cross(into_ice.beyond, 3, false);
@@ -483,7 +487,7 @@ mod tests {
         assert_eq!(table.stacks.len(), 101);
     }
 
-    /// Flint in water in air: the water keeps one index.
+    /// Flint in water in air. The water's index does not depend on the wavelength.
     fn dispersing() -> Vec<Medium> {
         let flint = Medium { dispersion: Dispersion::Cauchy([1.59, 0.01, 0.0]), ..medium("flint", 1.618_97, 5) };
         vec![Medium::air(), medium("water", 1.33, 1), flint]
@@ -530,7 +534,7 @@ mod tests {
         assert!((f64::from(into.boundary.eta) - 1.0 / media[2].ior).abs() < 1e-6);
     }
 
-    /// By hand: glass to water at their common face is one boundary; two faces of one glass are none.
+    /// Glass to water at a common face is one boundary; two faces of one glass are none.
     #[test]
     fn faces_that_coincide_are_crossed_as_one_boundary() {
         let mut media = drink();

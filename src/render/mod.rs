@@ -1,9 +1,9 @@
-//! From scene to film: tiles of ray streams, traced, shaded eight at a time, and their secondary rays queued.
+//! Rendering of a scene to a film: tiles of ray streams, traced and shaded eight lanes at a time.
 //!
-//! One thread renders one tile at a time. A tile's camera rays are traced as one stream; what they meet is sorted by
-//! kind of surface into bins, and each bin goes through the stages it calls for, a stream at a time, eight lanes wide
-//! (`stages.rs`); the rays that follow wait in queues by depth and kind, and the deepest
-//! queue is taken first, a chunk at a time, so that memory is bounded by depth times chunk and not by 2^depth.
+//! Each thread renders one tile at a time. A tile's camera rays are traced as one stream. Their hits are sorted into
+//! bins by class of surface, and each bin runs through its stages, a stream at a time and eight lanes wide
+//! (`stages.rs`). Secondary rays wait in queues by depth and kind. The deepest full queue is traced first, a chunk at a
+//! time, so that memory is bounded by depth times chunk, not by 2^depth.
 
 mod accumulate;
 mod base;
@@ -68,23 +68,23 @@ use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
 
-/// What one tile came to.
+/// Pixels of one rendered tile.
 struct TileResult {
-    /// Its place in the list of tiles.
+    /// Index in the list of tiles.
     number: usize,
     tile: Tile,
     pixels: Vec<PixelMean>,
 }
 
-/// Renders `scene` with `accel`, which was built from `scene.geometry`.
+/// Renders `scene` with `accel`, which must have been built from `scene.geometry`.
 ///
-/// Effects in `options.effects.without` are left out; what the rest calls for picks the stages.
-///
-/// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
+/// Leaves out the effects in `options.effects.without`, and picks the stages by what the rest of the scene needs. The
+/// picture does not depend on `options.threads` or `options.tile`, to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started or there is no
-/// memory for the picture; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
+/// - [`Error::Interrupted`] if the observer requests a stop.
+/// - [`Error::Limit`] if threads cannot be started, or the picture does not fit in memory.
+/// - [`Error::Usage`] if a proven cut-off is requested for a scene that has none.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let scene = &*effects::without(scene, options.effects.without);
     let settings = &scene.settings;
@@ -127,7 +127,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     })
 }
 
-/// Renders pixels of one scene time and again, under one set of limits or another.
+/// Renderer for selected pixels of one scene, which may be called again under other limits.
 pub struct Pixels<'a, I: Intersector> {
     accel: &'a I,
     options: &'a Options,
@@ -136,17 +136,18 @@ pub struct Pixels<'a, I: Intersector> {
 }
 
 impl<'a, I: Intersector> Pixels<'a, I> {
-    /// With what [`render`] would be called with. Nothing is done yet.
+    /// Creates the renderer from the arguments of [`render`]. Does no work yet.
     #[must_use]
     pub fn new(accel: &'a I, options: &'a Options, observer: &'a Observer) -> Self {
         Self { accel, options, observer, ready: OnceCell::new() }
     }
 
-    /// Some pixels of the picture that [`render`] makes, by column and row from 0 at the upper left, to the bit; and how
-    /// many rays they took. The scene must be that of earlier calls, but for the depth limit and the weight cut-off.
+    /// Renders the pixels `which`, given by column and row from 0 at the upper left, as [`render`] does, to the bit.
+    /// Returns them with the number of rays traced. Later calls must pass the same scene, except for the depth limit
+    /// and the weight cut-off.
     ///
     /// # Errors
-    /// As [`render`].
+    /// Fails as [`render`] does.
     pub fn render(&self, scene: &Scene, which: &[[u32; 2]]) -> Result<Again> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
@@ -162,19 +163,19 @@ impl<'a, I: Intersector> Pixels<'a, I> {
     }
 }
 
-/// Facts of a scene that are found before its first ray. Limits do not matter to them.
+/// Facts of a scene computed before its first ray, independent of its limits.
 struct Ready<'a> {
     bodies: Bodies,
     contacts: Contacts,
     touching: TouchingFound,
-    /// Bodies around the eye, the outermost first.
+    /// Bodies around the eye, outermost first.
     eye: Vec<u32>,
-    /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
+    /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
 }
 
 impl<'a> Ready<'a> {
-    /// Of a scene from which nothing is left to be left out.
+    /// Computes the facts of `scene`, from which effects have already been left out.
     fn of<I: Intersector>(scene: &Scene, accel: &I, options: &Options) -> Self {
         let bodies = Bodies::of(scene);
         let (contacts, touching) = contacts(scene, options);
@@ -182,13 +183,13 @@ impl<'a> Ready<'a> {
         Self { bodies, contacts, touching, eye, shafts: None }
     }
 
-    /// The same with shafts where the scene calls for them.
+    /// Adds the shafts if the scene's area lamps need them.
     fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Self {
         let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
         Self { shafts, ..self }
     }
 
-    /// The functions that the scene calls for.
+    /// Picks the stages that the scene needs.
     fn stages(&self, scene: &Scene, options: &Options) -> Stages {
         let media: Vec<u32> = self.eye.iter().map(|&body| self.bodies.medium(body)).collect();
         Stages::of(scene, &Reach::of(scene), &media, !self.contacts.is_empty(), options)
@@ -199,8 +200,7 @@ impl<'a> Ready<'a> {
     }
 }
 
-/// Renders tiles of a scene from which nothing is left to be left out: one list of results, and what was counted, for each
-/// thread.
+/// Renders `tiles` of a scene from which effects have already been left out. Returns each thread's results and counts.
 fn each<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -239,7 +239,7 @@ fn each<I: Intersector>(
         if spawned.is_err() {
             observer.stop.store(true, Ordering::Relaxed);
         }
-        // The calling thread works too.
+        // The calling thread renders, too.
         let mine = work();
         let mut parts: Vec<_> = spawned?.into_iter().map(|t| t.join().expect("a worker does not panic")).collect();
         parts.push(mine);
@@ -247,11 +247,12 @@ fn each<I: Intersector>(
     })
 }
 
-/// One pixel of the picture that [`render`] makes (columns and rows from 0, at the upper left), with every ray that came
-/// of it written down: radiance and truncated weight as the picture has them, to the bit.
+/// Renders one pixel, given by column and row from 0 at the upper left, and records all of its rays. Radiance and
+/// truncated weight equal those of [`render`], to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop; [`Error::Usage`] where rays carry polarisation or budgets.
+/// - [`Error::Interrupted`] if the observer requests a stop.
+/// - [`Error::Usage`] if rays carry polarisation or budgets.
 pub fn recorded<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -264,8 +265,8 @@ pub fn recorded<I: Intersector>(
     let (stages, media) = (ready.stages(scene, options), ready.media());
     if stages.carries {
         return Err(Error::Usage(String::from(
-            "the rays of a pixel are written down in eight lanes neither with polarisation nor under a proven cut-off; \
-             take another --fresnel",
+            "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
+             take another --fresnel, or leave out --cutoff-error",
         )));
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
@@ -275,7 +276,7 @@ pub fn recorded<I: Intersector>(
     Ok((radiance, truncated, tree))
 }
 
-/// The touching surfaces of a scene, unless they are left out.
+/// Finds the touching surfaces of a scene, unless that effect is left out.
 fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
     if options.effects.without.has(Effect::Touching) {
         return Default::default();
@@ -286,7 +287,7 @@ fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
     (contacts, found)
 }
 
-/// What a thread counted.
+/// Counts of one thread.
 #[derive(Default)]
 struct Tally {
     rays: RayCounts,

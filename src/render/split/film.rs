@@ -1,4 +1,4 @@
-//! What is too thin to bend light: panes, coats, and covers with holes.
+//! Surfaces too thin to bend light: panes, coats, and covers with holes.
 
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
@@ -8,7 +8,7 @@ use crate::optics::{Boundary, Crossing, reflect};
 use crate::scene::{Interface, Rgb};
 use crate::simd::F32x8;
 
-/// Panes: both faces at once.
+/// Shades panes; both faces count as one surface.
 pub(super) fn thin<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let before = O::before(shading, surface, surface.shading);
@@ -24,7 +24,7 @@ pub(super) fn thin<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], 
     }
 }
 
-/// Coats: what they do not reflect reaches the base.
+/// Shades coats. Light that a coat does not reflect reaches the base.
 pub(super) fn coated<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let before = O::before(shading, surface, surface.shading);
@@ -36,7 +36,7 @@ pub(super) fn coated<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8]
     }
 }
 
-/// Covers with holes.
+/// Shades covers with holes.
 pub(super) fn alpha<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let opacity =
@@ -47,7 +47,7 @@ pub(super) fn alpha<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8],
     }
 }
 
-/// One face of coats and panes, from the medium the ray is in, and the ray there.
+/// Returns the boundary from the ray's medium into the coat or pane, and the crossing of the ray.
 #[inline(always)]
 fn face(shading: &Shading, surface: &Surface8) -> (Boundary<F32x8>, Crossing<F32x8>) {
     let boundary = gather_boundaries(|k| match *shading.interface(surface, k) {

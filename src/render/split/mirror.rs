@@ -1,4 +1,4 @@
-//! Mirrors and metals: all that goes on is reflected.
+//! Mirrors and metals, which reflect light and transmit none.
 
 use super::super::shading::Shading;
 use super::super::sky::Sky;
@@ -13,7 +13,7 @@ fn reflectance(interface: &Interface) -> Rgb {
     if let Interface::Mirror { reflectance, .. } = interface { *reflectance } else { Rgb::ZERO }
 }
 
-/// Mirrors whose reflected rays are traced.
+/// Shades mirrors whose reflected rays are traced.
 pub(super) fn traced<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let share = shading.colours(surface, reflectance);
@@ -23,7 +23,7 @@ pub(super) fn traced<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8]
     }
 }
 
-/// Mirrors that show the environment, whatever stands between.
+/// Shades mirrors that look up the environment, ignoring occluders.
 pub(super) fn of_environment<S: Sky>(shading: &mut Shading, surfaces: &mut [Surface8], _depth: usize) {
     let scene = shading.scene;
     for surface in surfaces {
@@ -34,10 +34,10 @@ pub(super) fn of_environment<S: Sky>(shading: &mut Shading, surfaces: &mut [Surf
     }
 }
 
-/// Metals.
+/// Shades metals.
 pub(super) fn conductor<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
-        // A metal's index counts relative to what the light comes through.
+        // A metal's index is relative to the medium in front of it.
         let outside = F32x8::from_fn(|k| shading.media.ior(surface.stack[k]) as f32);
         let relative = F32x8::ONE / outside;
         let eta = shading.colours(surface, |i| if let Interface::Conductor { eta, .. } = i { *eta } else { Rgb::ONE });

@@ -1,4 +1,4 @@
-//! How surfaces divide light: by a formula for light without polarisation, or with what each ray carries of it.
+//! Division of light at surfaces, by a formula for unpolarised light or by the polarisation that rays carry.
 
 use super::super::extra::Extra8;
 use super::super::queue::Rgb8;
@@ -10,33 +10,35 @@ use crate::math::Real;
 use crate::optics::{Boundary, Crossing, Exact, FresnelFormula, Mueller, thin_reflectance};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// A way that light goes on: its share, tints not counted, and what is carried, in the frame of the plane of incidence.
+/// Lobe of light that leaves a surface: its share, excluding tints, and the carried polarisation in the frame of the
+/// plane of incidence.
 pub struct Way<C> {
     pub share: Rgb8,
     pub carried: C,
 }
 
-/// Reflected, and refracted or straight on.
+/// Both lobes of a transparent surface: `back` is reflected, `on` is refracted or passes straight.
 pub struct Ways<C> {
     pub back: Way<C>,
     pub on: Way<C>,
 }
 
-/// How light is divided, as a type, so that a stage holds one way of doing it and no branch.
+/// Polarised or unpolarised optics, as a type, so that a stage contains one of them and no branch.
 pub trait Optics: 'static {
-    /// What a stage looks at of what a ray carries.
+    /// Polarisation that a ray carries, as far as stages use it.
     type Carried: Copy;
 
-    /// The formula for light without polarisation, which is what dispersed light is taken for.
+    /// Formula for unpolarised light. Dispersed light always counts as unpolarised.
     type Formula: FresnelFormula;
 
-    /// Of the rays that met a surface, in the frames of their planes of incidence at these normals.
+    /// Returns the polarisation of the rays that hit a surface, in the frames of their planes of incidence at these
+    /// normals.
     fn before(shading: &Shading, surface: &Surface8, normal: Vec3x8) -> Self::Carried;
 
-    /// Of the rays that leave into `dir`; none where it is what they brought.
+    /// Returns the extras of rays that leave in `dir`, or `None` if they equal those of the arriving rays.
     fn along(carried: &Self::Carried, dir: Vec3x8) -> Option<Extra8>;
 
-    /// At a boundary, by each lane's rule.
+    /// Divides light at a boundary, by each lane's rule.
     fn boundary(
         shading: &Shading,
         surface: &Surface8,
@@ -45,7 +47,7 @@ pub trait Optics: 'static {
         before: &Self::Carried,
     ) -> Ways<Self::Carried>;
 
-    /// At a pane, by each lane's rule.
+    /// Divides light at a pane, by each lane's rule.
     fn pane(
         shading: &Shading,
         surface: &Surface8,
@@ -54,17 +56,17 @@ pub trait Optics: 'static {
         before: &Self::Carried,
     ) -> Ways<Self::Carried>;
 
-    /// At a coat.
+    /// Reflects light at a coat.
     fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, before: &Self::Carried) -> Way<Self::Carried>;
 
-    /// At a metal.
+    /// Reflects light at a metal.
     fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, before: &Self::Carried) -> Way<Self::Carried>;
 
-    /// At a mirror that treats all light alike.
+    /// Returns the polarisation after a mirror that reflects all polarisations alike.
     fn mirror(before: &Self::Carried) -> Self::Carried;
 
-    /// Straight through panes (`thin`) and boundaries, of which `fixed` ones have fixed shares: what is not let through,
-    /// and what is carried on.
+    /// Transmits light straight through panes (`thin`) and boundaries, of which `fixed` ones have fixed shares. Returns
+    /// the share that is not transmitted, and the polarisation of the rest.
     fn through(
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
@@ -74,7 +76,7 @@ pub trait Optics: 'static {
     ) -> Way<Self::Carried>;
 }
 
-/// By a formula for light without polarisation.
+/// Optics by a formula for unpolarised light.
 pub struct Unpolarised<F>(std::marker::PhantomData<F>);
 
 impl<F: FresnelFormula> Optics for Unpolarised<F> {
@@ -143,11 +145,12 @@ fn plain(share: Rgb8) -> Ways<()> {
     Ways { back: Way { share, carried: () }, on: Way { share: WHITE - share, carried: () } }
 }
 
-/// With what each ray carries of its polarisation.
+/// Optics with the polarisation that each ray carries.
 pub struct Polarised;
 
 impl Polarised {
-    /// Both ways at surfaces of which `fixed` ones have fixed shares: those treat both polarisations alike.
+    /// Divides light at surfaces with these Mueller matrices, of which `fixed` ones have fixed shares and treat all
+    /// polarisations alike.
     #[inline(always)]
     fn ways(back: Mueller<F32x8>, on: Mueller<F32x8>, (fixed, shares): (Mask8, Rgb8), before: &Extra8) -> Ways<Extra8> {
         let back = Mueller::select(fixed, Mueller::mirror(F32x8::ONE), back);
