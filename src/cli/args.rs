@@ -12,6 +12,7 @@ mod pixel;
 mod price;
 mod render;
 mod settings;
+mod strict;
 mod verify;
 
 use std::sync::LazyLock;
@@ -30,6 +31,7 @@ pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
 pub(super) use render::{BitsArg, ReciprocalArg, ReflectionArg, RenderArgs, TrianglesArg};
 pub(super) use settings::SettingsArgs;
+pub(super) use strict::StrictArg;
 pub(super) use verify::{GroupArg, PathArg, VerifyArgs};
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));

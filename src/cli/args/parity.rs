@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::BvhArg;
+use super::{BvhArg, StrictArg};
 use crate::trial::shown::{self, Ray};
 
 /// Trace the same rays by every path and judge what differs.
@@ -52,6 +52,9 @@ pub(in crate::cli) struct ParityArgs {
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]

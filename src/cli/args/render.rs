@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum, value_parser};
 
 use super::numbers::{above_minus_one, above_zero, bound, exposure};
-use super::{BackendArg, BvhArg, EffectArgs, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg, price};
+use super::{BackendArg, BvhArg, EffectArgs, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg, StrictArg, price};
 use crate::study::Spheres;
 
 /// Render a scene file or an OBJ model to a picture.
@@ -110,9 +110,8 @@ pub(in crate::cli) struct RenderArgs {
         help_heading = "Machine")]
     pub tile: u32,
 
-    /// Make every warning, and everything dropped or clamped, an error
-    #[arg(long, help_heading = "Reports")]
-    pub strict: bool,
+    #[command(flatten, next_help_heading = "Reports")]
+    pub strict: StrictArg,
 
     /// Print the summary as JSON on standard output
     #[arg(long, help_heading = "Reports")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, value_parser};
 
-use super::BvhArg;
+use super::{BvhArg, StrictArg};
 
 /// Fire the hard cases of numerics at this machine, or at a scene.
 #[derive(Debug, Args)]
@@ -42,6 +42,9 @@ pub(in crate::cli) struct VerifyArgs {
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]
