@@ -8,7 +8,7 @@ use crate::Result;
 use crate::accel::{Unbounded, native::Native};
 use crate::effects;
 use crate::load::LoadReport;
-use crate::render::{self, Observer, Options, Pixels, Shortfall};
+use crate::render::{Observer, Options, Pixels, Shortfall};
 use crate::scene::{Scene, Settings};
 
 /// Pixels along each side of the first picture, at most.
@@ -20,7 +20,7 @@ const FIRST_LOOK: u32 = 96;
 /// whose findings count. The native back end makes both. The scene is returned as it was.
 ///
 /// # Errors
-/// As [`render::render`].
+/// As [`crate::render::render`].
 pub fn survey(
     file: &Path,
     scene: &mut Scene,
@@ -30,9 +30,10 @@ pub fn survey(
 ) -> Result<Vec<Notice>> {
     let options = Options { effects: effects::Options::default(), ..options.clone() };
     let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    // Of one scene in two sizes, so that what is found before the first ray is found once.
+    let pixels = Pixels::new(&accel, &options, observer);
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
-        let mut outcome = render::render(scene, &accel, &options, observer)?;
-        let pixels = Pixels::new(&accel, &options, observer);
+        let mut outcome = pixels.picture(scene)?;
         let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
         outcome.shortfall = Shortfall::of(scene, &options, &outcome, 1.0, &again)?;
         Ok(of_picture(&Facts { file, scene, report, options: &options }, &outcome))
