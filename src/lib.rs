@@ -38,6 +38,8 @@
 //! # Ok::<(), vitrum::Error>(())
 //! ```
 
+#![warn(missing_docs)]
+
 pub mod accel;
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -75,3 +75,21 @@ pub enum Shape {
     /// An infinite plane, which no bounding box holds; `primitive` is 0.
     Plane(Plane),
 }
+
+impl From<TriMesh> for Shape {
+    fn from(mesh: TriMesh) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+impl From<Sphere> for Shape {
+    fn from(sphere: Sphere) -> Self {
+        Self::Sphere(sphere)
+    }
+}
+
+impl From<Plane> for Shape {
+    fn from(plane: Plane) -> Self {
+        Self::Plane(plane)
+    }
+}

@@ -181,6 +181,14 @@ pub enum Interface {
     },
 }
 
+impl Interface {
+    /// The untinted boundary of the medium at index `medium`, by the Fresnel equations.
+    #[must_use]
+    pub fn dielectric(medium: u32) -> Self {
+        Self::Dielectric { medium, rule: FresnelRule::Fresnel, tint: Rgb::ONE }
+    }
+}
+
 /// Where a mirror finds what it reflects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MirrorSource {
@@ -217,6 +225,12 @@ pub struct Medium {
 }
 
 impl Medium {
+    /// A clear medium of index `ior` (at 587.6 nm), without dispersion and absorption.
+    #[must_use]
+    pub fn new(name: &str, ior: f64) -> Self {
+        Self { name: name.into(), ior, dispersion: Dispersion::None, absorption: Rgb::ZERO, priority: 0 }
+    }
+
     /// Returns true if light cannot tell the two apart: equal index, dispersion and absorption, whatever their names.
     #[must_use]
     pub fn is_like(&self, other: &Self) -> bool {

@@ -1,13 +1,16 @@
 //! What is to be pictured: plain data, joined by indices.
 
 mod body;
+mod build;
 mod camera;
 mod dispersion;
 mod environment;
 mod light;
 mod material;
+pub mod ranges;
 mod settings;
 mod texture;
+mod validate;
 
 pub use body::Bodies;
 pub use camera::{Camera, Projection};
@@ -17,6 +20,7 @@ pub use light::{Falloff, Light, LightKind, Spread};
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
 pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
+pub use validate::{Part, Place, SceneError};
 
 use glam::DVec3;
 
@@ -25,8 +29,11 @@ use crate::geometry::{Geometry, Shape};
 /// Linear red, green and blue; radiance or a factor as its place says.
 pub type Rgb = glam::Vec3;
 
-/// A whole scene. Indices between its lists are in range by construction (`load` sees to it).
-#[derive(Clone, Debug, Default)]
+/// A whole scene: lists of plain data that refer to each other by index.
+///
+/// The `add_` methods return indices; `load` reads a whole scene. [`Scene::validate`] checks a scene that was put together by
+/// hand, for the renderers take valid ones only and may panic on others. A default scene holds air and nothing else.
+#[derive(Clone, Debug)]
 pub struct Scene {
     /// Shapes; a hit's `geometry` is a place in this list.
     pub geometry: Vec<Geometry>,
@@ -54,6 +61,25 @@ pub struct Scene {
     /// A length of 1 in all of the above is 2 to this power in the world: 0 unless a model by itself is too small or too large
     /// for `f32` to reckon with.
     pub unit_exponent: i32,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            geometry: Vec::new(),
+            objects: Vec::new(),
+            materials: Vec::new(),
+            media: vec![Medium::air()],
+            lights: Vec::new(),
+            environment: Environment::default(),
+            ambient: Rgb::ZERO,
+            textures: Vec::new(),
+            camera: Camera::default(),
+            settings: Settings::default(),
+            origin: DVec3::ZERO,
+            unit_exponent: 0,
+        }
+    }
 }
 
 /// How many primitives of each kind a scene holds.
