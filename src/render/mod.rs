@@ -21,6 +21,7 @@ mod limit;
 mod lookup;
 mod media;
 mod medium;
+mod memory;
 mod options;
 mod outcome;
 mod pattern;
@@ -28,7 +29,6 @@ mod place;
 mod queue;
 pub mod record;
 pub mod reference;
-mod room;
 mod shading;
 mod shadow;
 mod shortfall;
@@ -49,10 +49,10 @@ pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use first_hits::{FirstHit, first_hits};
 pub use limit::Limit;
+pub use memory::need;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
-pub use room::need;
 pub use shortfall::{Again, Cure, Shortfall};
 pub use unmatched::UnmatchedExits;
 
@@ -92,17 +92,17 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let scene = &*effects::without(scene, options.effects.without);
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    room::need_with(settings, options.thread_count().min(tiles.len()))?;
+    memory::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
-    let ready = Ready::of(scene, accel, options).with_shafts(scene, accel);
-    let parts = each(scene, accel, &ready, options, observer, &tiles, &|tile| _ = done(tile))?;
+    let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel);
+    let parts = render_tiles(scene, accel, &facts, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
     let mut truncated = Film::new(settings.width, settings.height);
     let mut limits = vec![None; film.pixels.len()];
-    let mut tally = Tally::default();
+    let mut counts = ThreadCounts::default();
     for (results, part) in parts {
-        tally.merge(&part);
+        counts.merge(&part);
         for TileResult { tile, pixels, .. } in results {
             for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
                 let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
@@ -119,14 +119,14 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         truncated,
         limits,
         shortfall: None,
-        rays: tally.rays,
-        non_finite: tally.non_finite,
-        clamped: tally.clamped,
-        unmatched_exits: tally.unmatched_exits.total(),
-        unmatched_objects: tally.unmatched_exits.worst_first(),
-        streams: tally.streams,
-        touching: ready.touching,
-        seen: tally.seen,
+        rays: counts.rays,
+        non_finite: counts.non_finite,
+        clamped: counts.clamped,
+        unmatched_exits: counts.unmatched_exits.total(),
+        unmatched_objects: counts.unmatched_exits.worst_first(),
+        streams: counts.streams,
+        touching: facts.touching,
+        seen: counts.seen,
     })
 }
 
@@ -135,14 +135,14 @@ pub struct Pixels<'a, I: Intersector> {
     accel: &'a I,
     options: &'a Options,
     observer: &'a Observer,
-    ready: OnceCell<Ready<'a>>,
+    facts: OnceCell<SceneFacts<'a>>,
 }
 
 impl<'a, I: Intersector> Pixels<'a, I> {
     /// Creates the renderer from the arguments of [`render`]. Does no work yet.
     #[must_use]
     pub fn new(accel: &'a I, options: &'a Options, observer: &'a Observer) -> Self {
-        Self { accel, options, observer, ready: OnceCell::new() }
+        Self { accel, options, observer, facts: OnceCell::new() }
     }
 
     /// Renders the pixels `which`, given by column and row from 0 at the upper left, as [`render`] does, to the bit.
@@ -155,11 +155,11 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let ready = self.ready.get_or_init(|| Ready::of(scene, accel, options).with_shafts(scene, accel));
-        let parts = each(scene, accel, ready, options, observer, &tiles, &|_| ())?;
+        let facts = self.facts.get_or_init(|| SceneFacts::of(scene, accel, options).with_shafts(scene, accel));
+        let parts = render_tiles(scene, accel, facts, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
-        for (results, tally) in parts {
-            again.rays += tally.rays.total();
+        for (results, counts) in parts {
+            again.rays += counts.rays.total();
             results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
         }
         Ok(again)
@@ -167,7 +167,7 @@ impl<'a, I: Intersector> Pixels<'a, I> {
 }
 
 /// Facts of a scene computed before its first ray, independent of its limits.
-struct Ready<'a> {
+struct SceneFacts<'a> {
     bodies: Bodies,
     contacts: Contacts,
     touching: TouchingFound,
@@ -177,7 +177,7 @@ struct Ready<'a> {
     shafts: Option<Shafts<'a>>,
 }
 
-impl<'a> Ready<'a> {
+impl<'a> SceneFacts<'a> {
     /// Computes the facts of `scene`, from which effects have already been left out.
     fn of<I: Intersector>(scene: &Scene, accel: &I, options: &Options) -> Self {
         let bodies = Bodies::of(scene);
@@ -204,23 +204,23 @@ impl<'a> Ready<'a> {
 }
 
 /// Renders `tiles` of a scene from which effects have already been left out. Returns each thread's results and counts.
-fn each<I: Intersector>(
+fn render_tiles<I: Intersector>(
     scene: &Scene,
     accel: &I,
-    ready: &Ready,
+    facts: &SceneFacts,
     options: &Options,
     observer: &Observer,
     tiles: &[Tile],
     done: &(dyn Fn(&Tile) + Sync),
-) -> Result<Vec<(Vec<TileResult>, Tally)>> {
+) -> Result<Vec<(Vec<TileResult>, ThreadCounts)>> {
     let tolls = Ceiling::asked(scene, options)?;
-    let (stages, media) = (ready.stages(scene, options), ready.media());
+    let (stages, media) = (facts.stages(scene, options), facts.media());
     let next = AtomicUsize::new(0);
     let samples = scene.settings.samples * scene.settings.samples;
 
-    let work = || -> Result<(Vec<TileResult>, Tally)> {
+    let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
-        worker.shading.shafts = ready.shafts.as_ref();
+        worker.shading.shafts = facts.shafts.as_ref();
         let mut results = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
@@ -230,7 +230,7 @@ fn each<I: Intersector>(
             results.push(TileResult { number, tile, pixels });
             done(&tile);
         }
-        Ok((results, Tally::of(&worker)))
+        Ok((results, ThreadCounts::of(&worker)))
     };
 
     let count = options.thread_count().min(tiles.len());
@@ -264,8 +264,8 @@ pub fn recorded<I: Intersector>(
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
     let scene = &*effects::without(scene, options.effects.without);
-    let ready = Ready::of(scene, accel, options);
-    let (stages, media) = (ready.stages(scene, options), ready.media());
+    let facts = SceneFacts::of(scene, accel, options);
+    let (stages, media) = (facts.stages(scene, options), facts.media());
     if stages.carries {
         return Err(Error::Usage(String::from(
             "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
@@ -292,7 +292,7 @@ fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
 
 /// Counts of one thread.
 #[derive(Default)]
-struct Tally {
+struct ThreadCounts {
     rays: RayCounts,
     non_finite: u64,
     clamped: u64,
@@ -301,7 +301,7 @@ struct Tally {
     seen: Seen,
 }
 
-impl Tally {
+impl ThreadCounts {
     fn of<I: Intersector>(worker: &Worker<I>) -> Self {
         Self {
             rays: worker.shading.counts.clone(),

@@ -31,7 +31,7 @@ const ROUNDED_UP: f32 = 1.0 + 1e-6;
 
 /// Secondary rays held back until budgets decide which of them end.
 #[derive(Clone, Debug)]
-struct Held {
+struct HeldRays {
     lanes: u8,
     kind: RayKind,
     origin: Vec3x8,
@@ -72,7 +72,7 @@ pub struct Shading<'a> {
     /// Upper bounds on the tolls of rays of weight 1, if budgets decide which rays end.
     pub tolls: Option<&'a Ceiling>,
     /// Rays of the current stream that [`Self::settle`] has yet to decide on.
-    held: Vec<Held>,
+    held: Vec<HeldRays>,
     pub accumulator: Accumulator,
     pub counts: RayCounts,
     pub unmatched_exits: UnmatchedExits,
@@ -189,7 +189,7 @@ impl<'a> Shading<'a> {
     #[cold]
     fn hold(&mut self, lanes: u8, new: &Spawn8, kind: RayKind) {
         let carrying = lanes & !new.weight.max_component().eq(F32x8::ZERO).bits();
-        self.held.push(Held {
+        self.held.push(HeldRays {
             lanes: carrying,
             kind,
             origin: new.origin,
@@ -212,7 +212,7 @@ impl<'a> Shading<'a> {
         let too_deep = depth >= self.max_depth;
         let held = std::mem::take(&mut self.held);
         for family in held.chunk_by(|a, b| a.place == b.place) {
-            let costs = |ray: &Held| {
+            let costs = |ray: &HeldRays| {
                 let zero = Vec3x8::splat(Rgb::ZERO);
                 Vec3x8::select(Mask8::from_bits(ray.lanes), ray.weight.times(toll), zero)
             };

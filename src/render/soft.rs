@@ -35,9 +35,9 @@ pub struct SoftStages {
     /// True if the lamp casts shadows.
     pub shadows: bool,
     /// Adds the lamp's light without testing for shadows.
-    pub open: SoftStage,
+    pub unoccluded: SoftStage,
     /// Adds the light of samples that need no shadow ray, and queues shadow rays for the others.
-    pub ask: SoftStage,
+    pub shadowed: SoftStage,
     /// Number of surface packets per call.
     pub surfaces: usize,
 }
@@ -53,14 +53,14 @@ pub fn pick(light: &Light, shiny: bool, sampling: &LampSampling) -> Option<SoftS
 }
 
 fn pick_for<L: Lamp>(light: &Light, shiny: bool, sampling: &LampSampling) -> SoftStages {
-    let [open, ask]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
-        (false, false) => [open::<L, false, false>, ask::<L, false, false>],
-        (false, true) => [open::<L, false, true>, ask::<L, false, true>],
-        (true, false) => [open::<L, true, false>, ask::<L, true, false>],
-        (true, true) => [open::<L, true, true>, ask::<L, true, true>],
+    let [unoccluded, shadowed]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
+        (false, false) => [unoccluded::<L, false, false>, shadowed::<L, false, false>],
+        (false, true) => [unoccluded::<L, false, true>, shadowed::<L, false, true>],
+        (true, false) => [unoccluded::<L, true, false>, shadowed::<L, true, false>],
+        (true, true) => [unoccluded::<L, true, true>, shadowed::<L, true, true>],
     };
     let surfaces = (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1);
-    SoftStages { shadows: light.shadows, open, ask, surfaces }
+    SoftStages { shadows: light.shadows, unoccluded, shadowed, surfaces }
 }
 
 /// Returns true if shaft tests can save shadow rays in this scene and the settings ask for them.
@@ -246,7 +246,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
     }
 }
 
-fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
+fn unoccluded<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     shading: &mut Shading,
     number: usize,
     surfaces: &[Surface8],
@@ -263,7 +263,7 @@ fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     }
 }
 
-fn ask<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
+fn shadowed<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     shading: &mut Shading,
     number: usize,
     surfaces: &[Surface8],

@@ -64,10 +64,10 @@ fn pass<O: Optics, const ABSORBING: bool, const TOUCHING: bool>(
             }
         }
         let mut beyond = surface.stack;
-        let before = O::before(shading, surface, surface.normal);
+        let before = O::arriving(shading, surface, surface.normal);
         let (passed, carried) = passed::<O, TOUCHING>(shading, surface, &mut beyond, &before);
         weight = weight.times(passed);
-        let extra = O::along(&carried, surface.incident);
+        let extra = O::leaving(&carried, surface.incident);
         let origin = surface.below();
         let lead = surface.lead(surface.incident);
         for (k, &r) in refs.iter().enumerate() {

@@ -323,10 +323,10 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 stage(&mut worker.shading, lamp, &worker.surfaces[part.clone()], &worker.bases[part.clone()], depth);
             };
             if !soft.shadows {
-                run(self, soft.open);
+                run(self, soft.unoccluded);
                 continue;
             }
-            run(self, soft.ask);
+            run(self, soft.shadowed);
             if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
                 self.flush_shadows(depth, coherence);
             }
@@ -340,11 +340,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
             let first = (packet * 8) as HitRef;
             // Neighbouring rays mostly hit the same object.
             if ray.active == u8::MAX && hit.geometry == [hit.geometry[0]; 8] {
-                let places: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
-                self.places_on(hit.geometry[0]).extend_from_slice(&places);
+                let refs: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
+                self.hits_on(hit.geometry[0]).extend_from_slice(&refs);
             } else {
                 for lane in set_lanes(ray.active) {
-                    self.places_on(hit.geometry[lane]).push(first + lane as HitRef);
+                    self.hits_on(hit.geometry[lane]).push(first + lane as HitRef);
                 }
             }
         }
@@ -352,7 +352,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
 
     /// Returns the list of hits for an object's bin, or the list of misses if `object` is none.
     #[inline(always)]
-    fn places_on(&mut self, object: u32) -> &mut Vec<HitRef> {
+    fn hits_on(&mut self, object: u32) -> &mut Vec<HitRef> {
         match self.bin_of.get(object as usize) {
             Some(&bin) => {
                 self.met[object as usize] = true;

@@ -236,7 +236,7 @@ struct Row {
 /// - [`Error::Limit`] if threads or memory for the picture are not available.
 /// - [`Error::Usage`] if a proven cut-off is requested for a scene that has none.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
-    super::room::need(&scene.settings)?;
+    super::memory::need(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
     Reference::need(&scene.geometry)?;
     picture(&Prepared::with(scene, options), options, observer)

@@ -9,7 +9,7 @@ use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::super::worker::MOST_PASSES;
 use super::disperse::disperse;
-use super::ways::{Optics, Ways};
+use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
@@ -84,17 +84,25 @@ fn split<O: Optics, R: OfRender, const DISPERSING: bool, const TOUCHING: bool>(
         }
         let at = boundary.cross(-surface.incident.dot(surface.shading));
         let lanes = if total_is_lost { lose(shading, surface, lanes & at.total.bits(), lanes) } else { lanes };
-        let before = O::before(shading, surface, surface.shading);
-        let Ways { back, on } = O::boundary(shading, surface, &boundary, &at, &before);
+        let before = O::arriving(shading, surface, surface.shading);
+        let Lobes { reflection, transmission } = O::boundary(shading, surface, &boundary, &at, &before);
 
         let dir = reflect(surface.incident, surface.shading);
-        reflected::<O>(shading, surface, lanes, dir, surface.weight.times(back.share), &back.carried, depth);
+        reflected::<O>(
+            shading,
+            surface,
+            lanes,
+            dir,
+            surface.weight.times(reflection.share),
+            &reflection.carried,
+            depth,
+        );
 
         let refracting = lanes & !at.total.bits();
         if refracting != 0 {
-            let weight = surface.weight.times(on.share).times(tints(shading, surface));
+            let weight = surface.weight.times(transmission.share).times(tints(shading, surface));
             let light = Refraction { boundary, at, weight, beyond };
-            refracted::<O, R>(shading, surface, refracting, &light, &on.carried, &formula, depth);
+            refracted::<O, R>(shading, surface, refracting, &light, &transmission.carried, &formula, depth);
         }
     }
 }
@@ -129,7 +137,7 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     // A formula may fail to give a direction where one exists; the ray's weight is then truncated.
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
-    let extra = O::along(carried, dir);
+    let extra = O::leaving(carried, dir);
     let new = Spawn8 {
         origin: surface.below(),
         dir,

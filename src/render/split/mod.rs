@@ -3,9 +3,9 @@
 mod dielectric;
 mod disperse;
 mod film;
+mod lobes;
 mod mirror;
 pub mod mirrored;
-mod ways;
 
 use super::class::Class;
 use super::options::Options;
@@ -25,7 +25,7 @@ use crate::simd::{F32x8, Vec3x8};
 /// The last argument is the depth of the arriving rays.
 pub type SplitStage = fn(&mut Shading, &mut [Surface8], usize);
 
-pub use ways::{Optics, Polarised, Unpolarised};
+pub use lobes::{Optics, Polarised, Unpolarised};
 
 const WHITE: Vec3x8 = Vector3::new(F32x8::ONE, F32x8::ONE, F32x8::ONE);
 
@@ -71,7 +71,7 @@ fn reflected<O: Optics>(
     carried: &O::Carried,
     depth: usize,
 ) {
-    let extra = O::along(carried, dir);
+    let extra = O::leaving(carried, dir);
     (shading.reflect)(shading, surface, lanes, dir, weight, extra.as_ref(), depth);
 }
 
@@ -85,7 +85,7 @@ fn straight_on<O: Optics>(
     carried: &O::Carried,
     depth: usize,
 ) {
-    let extra = O::along(carried, surface.incident);
+    let extra = O::leaving(carried, surface.incident);
     let new = Spawn8 {
         origin: surface.below(),
         dir: surface.incident,

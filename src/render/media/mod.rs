@@ -6,18 +6,20 @@
 //! The wavelength of a ray is part of its stack: a red ray in glass has another stack than a blue or a white one. So
 //! every table here holds the indices for that wavelength, and rays carry no further field for it.
 
+mod fan;
+mod stack;
+#[cfg(test)]
+mod tests;
+
 use std::collections::HashMap;
+
+use fan::DispersiveBoundary;
+pub use fan::{Fan, FanId};
+pub use stack::StackId;
+use stack::{Stack, TopMedium, filling, insert};
 
 use crate::optics::{Boundary, Spectrum};
 use crate::scene::{Bodies, Medium, Rgb};
-
-/// Index of an interned stack within one [`MediaTable`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct StackId(u32);
-
-/// Index of a fan of wavelengths within one [`MediaTable`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FanId(u32);
 
 /// Number of stacks above which a table is cleared before the next sample.
 const MANY_STACKS: usize = 1 << 12;
@@ -44,25 +46,6 @@ pub struct Transition {
     pub media: [u32; 2],
 }
 
-/// Boundaries for all wavelengths of the current set.
-#[derive(Clone, Debug, Default)]
-pub struct Fan {
-    /// Bands by rising wavelength.
-    pub bands: Vec<Band>,
-    /// Indices of the bands with the smallest and the largest ratio of refractive indices: those refracted least and
-    /// most.
-    pub outermost: [usize; 2],
-}
-
-/// One wavelength at a boundary.
-#[derive(Clone, Copy, Debug)]
-pub struct Band {
-    /// Boundary for this wavelength.
-    pub boundary: Boundary<f32>,
-    /// Stack of a ray of this wavelength that crosses.
-    pub beyond: StackId,
-}
-
 /// Interned stacks, their top media, and every transition found so far. Each thread has its own; ids never leave it.
 #[derive(Debug)]
 pub struct MediaTable<'a> {
@@ -78,36 +61,11 @@ pub struct MediaTable<'a> {
     transitions: Vec<Vec<Option<Transition>>>,
     /// By stack and the (body, entering) pairs of coinciding surfaces.
     joint: HashMap<(StackId, Vec<(u32, bool)>), Transition>,
-    tops: Vec<Top>,
+    tops: Vec<TopMedium>,
     /// By fan: its boundary.
-    plans: Vec<Plan>,
+    fan_boundaries: Vec<DispersiveBoundary>,
     /// By fan, then by wavelength set. Without bands until computed.
     fans: Vec<Vec<Fan>>,
-}
-
-/// Bodies a ray has entered, by rising rank, and its wavelength. Wavelength 0 is white; the others are counted through
-/// all sets.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Stack {
-    entered: Vec<u32>,
-    wave: u32,
-}
-
-/// Boundary that may separate wavelengths: the media on both sides, and the bodies that a ray behind it has entered.
-#[derive(Clone, Debug)]
-struct Plan {
-    from: u32,
-    to: u32,
-    entered: Vec<u32>,
-}
-
-/// Optical properties of the medium on top of a stack.
-#[derive(Clone, Copy, Debug)]
-struct Top {
-    medium: u32,
-    ior: f64,
-    absorption: Rgb,
-    absorbs: bool,
 }
 
 impl<'a> MediaTable<'a> {
@@ -124,7 +82,7 @@ impl<'a> MediaTable<'a> {
             transitions: Vec::new(),
             joint: HashMap::new(),
             tops: Vec::new(),
-            plans: Vec::new(),
+            fan_boundaries: Vec::new(),
             fans: Vec::new(),
         };
         table.clear();
@@ -160,7 +118,7 @@ impl<'a> MediaTable<'a> {
         self.transitions.clear();
         self.joint.clear();
         self.tops.clear();
-        self.plans.clear();
+        self.fan_boundaries.clear();
         self.fans.clear();
         // The empty stack is id 0, the default.
         self.intern(Stack { entered: Vec::new(), wave: 0 });
@@ -253,34 +211,6 @@ impl<'a> MediaTable<'a> {
         new
     }
 
-    /// Returns the number of wavelengths that a white ray divides into.
-    #[must_use]
-    pub fn bands(&self) -> usize {
-        self.spectrum.as_ref().map_or(0, |s| s.sets()[self.set].nm.len())
-    }
-
-    /// Returns the colour that the `k`th wavelength of the current set contributes to white, per channel.
-    #[must_use]
-    pub fn band_weight(&self, k: usize) -> Rgb {
-        self.spectrum.as_ref().map_or(Rgb::ZERO, |s| s.sets()[self.set].weight[k].into())
-    }
-
-    /// Computes a fan for the current set, so that [`MediaTable::known_fan`] can return it.
-    #[inline]
-    pub fn learn_fan(&mut self, id: FanId) {
-        let (fan, set) = (id.0 as usize, self.set);
-        if self.fans[fan][set].bands.is_empty() {
-            self.fans[fan][set] = self.spread(fan);
-        }
-    }
-
-    /// Returns a fan for the current set; [`MediaTable::learn_fan`] must have computed it.
-    #[inline]
-    #[must_use]
-    pub fn known_fan(&self, id: FanId) -> &Fan {
-        &self.fans[id.0 as usize][self.set]
-    }
-
     /// Returns the position in `list` that leaving `body` removes: its own entry, else another one of the same medium.
     fn place_of(&self, list: &[u32], body: u32) -> Option<usize> {
         let medium = self.bodies.medium(body);
@@ -327,30 +257,14 @@ impl<'a> MediaTable<'a> {
         let parts = real && wave == 0 && self.spectrum.is_some() && (disperses(from) || disperses(to));
         let fan = parts.then(|| {
             let sets = self.spectrum.as_ref().map_or(0, |s| s.sets().len());
-            self.plans.push(Plan { from, to, entered: after.entered.clone() });
+            self.fan_boundaries.push(DispersiveBoundary { from, to, entered: after.entered.clone() });
             self.fans.push(vec![Fan::default(); sets]);
-            FanId(self.plans.len() as u32 - 1)
+            FanId(self.fan_boundaries.len() as u32 - 1)
         });
         let (n1, n2) = (self.index(from, wave), self.index(to, wave));
         let beyond = self.beyond(before, after);
         let thin_side = Boundary::new(n1.min(n2), n1.max(n2));
         Transition { real, boundary: Boundary::new(n1, n2), thin_side, beyond, unmatched, fan, media: [from, to] }
-    }
-
-    fn spread(&mut self, fan: usize) -> Fan {
-        let Plan { from, to, entered } = self.plans[fan].clone();
-        let count = self.bands() as u32;
-        let first = 1 + self.set as u32 * count;
-        let (mut bands, mut ratios) = (Vec::new(), Vec::new());
-        for wave in first..first + count {
-            let (n1, n2) = (self.index(from, wave), self.index(to, wave));
-            let beyond = self.beyond(StackId::default(), Stack { entered: entered.clone(), wave });
-            bands.push(Band { boundary: Boundary::new(n1, n2), beyond });
-            ratios.push(n1 / n2);
-        }
-        let by_ratio = |a: &usize, b: &usize| ratios[*a].total_cmp(&ratios[*b]);
-        let [least, most] = [(0..bands.len()).min_by(by_ratio), (0..bands.len()).max_by(by_ratio)];
-        Fan { bands, outermost: [least.unwrap_or(0), most.unwrap_or(0)] }
     }
 
     /// Returns the index of a medium at a wavelength; `wave` = 0, white, gives the index at the line d.
@@ -380,180 +294,10 @@ impl<'a> MediaTable<'a> {
         let medium = filling(&stack.entered, self.bodies, self.media);
         let ior = self.index(medium, stack.wave);
         let absorption = self.media[medium as usize].absorption;
-        self.tops.push(Top { medium, ior, absorption, absorbs: absorption != Rgb::ZERO });
+        self.tops.push(TopMedium { medium, ior, absorption, absorbs: absorption != Rgb::ZERO });
         self.transitions.push(vec![None; self.bodies.count() * 2]);
         self.ids.insert(stack.clone(), id);
         self.stacks.push(stack);
         id
-    }
-}
-
-/// Inserts `body` by rank: above all bodies of equal or lower rank, below all of higher rank. The top is the end of the
-/// list.
-fn insert(stack: &mut Vec<u32>, body: u32, bodies: &Bodies) {
-    let rank = bodies.rank(body);
-    let at = stack.partition_point(|&b| bodies.rank(b) <= rank);
-    stack.insert(at, body);
-}
-
-/// Returns the medium that fills the space inside the bodies of `stack`: that of the top, unless medium 0 has a higher
-/// priority.
-fn filling(stack: &[u32], bodies: &Bodies, media: &[Medium]) -> u32 {
-    let top = stack.last().map(|&body| bodies.medium(body));
-    top.filter(|&m| media[m as usize].priority >= media[0].priority).unwrap_or(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::Dispersion;
-
-    fn medium(name: &str, ior: f64, priority: i32) -> Medium {
-        Medium { name: name.into(), ior, dispersion: Dispersion::None, absorption: Rgb::ZERO, priority }
-    }
-
-    /// Air, glass, water, ice. Ice floats in water in a glass; ice has priority over glass, and glass over water.
-    fn drink() -> Vec<Medium> {
-        vec![Medium::air(), medium("glass", 1.5, 10), medium("water", 1.33, 5), medium("ice", 1.31, 20)]
-    }
-
-    #[test]
-    fn water_that_overlaps_its_glass_begins_where_the_glass_ends() {
-        let media = drink();
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::new(&media, &bodies);
-        let air = StackId::default();
-        // Into the glass wall: air to glass.
-        let into_glass = table.cross(air, 1, true);
-        assert!(into_glass.real);
-        assert!((into_glass.boundary.eta - 1.0 / 1.5).abs() < 1e-6);
-        // The water surface inside the wall is passed.
-        let water_in_wall = table.cross(into_glass.beyond, 2, true);
-        assert!(!water_in_wall.real);
-        assert_eq!(table.top(water_in_wall.beyond), 1);
-        // Leaving the wall: glass to water.
-        let into_water = table.cross(water_in_wall.beyond, 1, false);
-        assert!(into_water.real);
-        assert!((into_water.boundary.eta - (1.5 / 1.33) as f32).abs() < 1e-6);
-        assert_eq!(table.top(into_water.beyond), 2);
-        // Ice has priority over water; beyond the ice the water continues.
-        let into_ice = table.cross(into_water.beyond, 3, true);
-        assert!(into_ice.real);
-        let out_of_ice = table.cross(into_ice.beyond, 3, false);
-        assert_eq!(out_of_ice.beyond, into_water.beyond);
-    }
-
-    /// Case AB-08 of the catalogue.
-    #[test]
-    fn leaving_what_was_never_entered_is_counted_and_does_not_underflow() {
-        let media = drink();
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::new(&media, &bodies);
-        let t = table.cross(StackId::default(), 1, false);
-        assert!(t.real && t.unmatched);
-        assert_eq!(t.beyond, StackId::default());
-        assert!((t.boundary.eta - 1.5).abs() < 1e-6);
-    }
-
-    #[test]
-    fn entering_twice_needs_leaving_twice() {
-        let media = drink();
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::new(&media, &bodies);
-        let once = table.cross(StackId::default(), 1, true).beyond;
-        let twice = table.cross(once, 1, true);
-        assert!(twice.real, "among equals the latest wins");
-        assert_eq!(twice.boundary.kc, 0.0, "glass to glass is no boundary to see");
-        assert_eq!(table.cross(twice.beyond, 1, false).beyond, once);
-        assert_eq!(table.cross(once, 1, false).beyond, StackId::default());
-    }
-
-    #[test]
-    fn an_onion_of_a_hundred_shells_interns_a_hundred_and_one_stacks() {
-        let media: Vec<Medium> = std::iter::once(Medium::air())
-            .chain((1..=100).map(|i| medium("shell", 1.0 + f64::from(i) * 0.01, i)))
-            .collect();
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::new(&media, &bodies);
-        let mut stack = StackId::default();
-        for m in 1..=100 {
-            stack = table.cross(stack, m, true).beyond;
-            assert_eq!(table.top(stack), m);
-        }
-        for m in (1..=100).rev() {
-            stack = table.cross(stack, m, false).beyond;
-        }
-        assert_eq!(stack, StackId::default());
-        assert_eq!(table.stacks.len(), 101);
-    }
-
-    /// Flint in water in air. The water's index does not depend on the wavelength.
-    fn dispersing() -> Vec<Medium> {
-        let flint = Medium { dispersion: Dispersion::Cauchy([1.59, 0.01, 0.0]), ..medium("flint", 1.618_97, 5) };
-        vec![Medium::air(), medium("water", 1.33, 1), flint]
-    }
-
-    #[test]
-    fn a_wavelength_keeps_its_own_index_in_every_medium_until_it_ends() {
-        let media = dispersing();
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::dispersing(&media, &bodies, Spectrum::new(8, 2));
-        let mut eye = StackId::default();
-        for sample in 0..4 {
-            table.begin_sample(sample);
-            eye = table.stack_of(&[1]);
-            let into = table.cross(eye, 2, true);
-            let white = table.media[2].ior;
-            assert!((f64::from(into.boundary.eta) - 1.33 / white).abs() < 1e-6, "white light goes by the line d");
-            let id = into.fan.expect("flint disperses");
-            table.learn_fan(id);
-            let fan = table.known_fan(id).clone();
-            assert_eq!(fan.outermost, [0, 7], "blue has the smallest ratio, red the largest");
-            let bands = Spectrum::new(8, 2).sets()[sample as usize].clone();
-            for (k, band) in fan.bands.iter().enumerate() {
-                let index = media[2].index_at(bands.nm[k]);
-                assert!((f64::from(band.boundary.eta) - 1.33 / index).abs() < 1e-6);
-                assert_eq!(table.band_weight(k).to_array(), bands.weight[k]);
-                assert_eq!((table.top(band.beyond), table.ior(band.beyond)), (2, index));
-                let out = table.cross(band.beyond, 2, false);
-                assert!(out.real && out.fan.is_none(), "what has a wavelength does not divide");
-                assert!((f64::from(out.boundary.eta) - index / 1.33).abs() < 1e-6);
-                assert_eq!((table.top(out.beyond), table.ior(out.beyond)), (1, 1.33));
-            }
-        }
-        assert!(table.cross(eye, 1, false).fan.is_none(), "water to air disperses nothing");
-    }
-
-    #[test]
-    fn without_a_spectrum_nothing_divides_and_the_line_d_counts() {
-        let media = dispersing();
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::new(&media, &bodies);
-        let into = table.cross(StackId::default(), 2, true);
-        assert!(into.fan.is_none());
-        assert!((f64::from(into.boundary.eta) - 1.0 / media[2].ior).abs() < 1e-6);
-    }
-
-    /// Glass to water at a common face is one boundary; two faces of one glass are none.
-    #[test]
-    fn faces_that_coincide_are_crossed_as_one_boundary() {
-        let mut media = drink();
-        media.push(medium("other glass", 1.5, 10));
-        let bodies = Bodies::one_each(&media);
-        let mut table = MediaTable::new(&media, &bodies);
-        let glass = table.cross(StackId::default(), 1, true).beyond;
-        let into_water = table.cross_all(glass, &[(1, false), (2, true)]);
-        assert!(into_water.real && !into_water.unmatched);
-        assert!((into_water.boundary.eta - (1.5 / 1.33) as f32).abs() < 1e-6);
-        assert_eq!(table.entered(into_water.beyond), [2]);
-        let on = table.cross_all(glass, &[(1, false), (4, true)]);
-        assert!(!on.real);
-        assert_eq!(table.entered(on.beyond), [4]);
-        // Out of both at once, and into both at once.
-        let both = table.cross_all(StackId::default(), &[(2, true), (1, true)]);
-        assert_eq!((table.entered(both.beyond), both.media), (vec![2, 1], [0, 1]));
-        let out = table.cross_all(both.beyond, &[(1, false), (2, false)]);
-        assert_eq!((out.beyond, out.media), (StackId::default(), [1, 0]));
-        assert!(table.cross_all(StackId::default(), &[(1, false), (2, false)]).unmatched);
     }
 }

@@ -12,15 +12,15 @@ use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// Lobe of light that leaves a surface: its share, excluding tints, and the carried polarisation in the frame of the
 /// plane of incidence.
-pub struct Way<C> {
+pub struct Lobe<C> {
     pub share: Rgb8,
     pub carried: C,
 }
 
-/// Both lobes of a transparent surface: `back` is reflected, `on` is refracted or passes straight.
-pub struct Ways<C> {
-    pub back: Way<C>,
-    pub on: Way<C>,
+/// Both lobes of a transparent surface: `reflection`, and `transmission`, which is refracted or passes straight.
+pub struct Lobes<C> {
+    pub reflection: Lobe<C>,
+    pub transmission: Lobe<C>,
 }
 
 /// Polarised or unpolarised optics, as a type, so that a stage contains one of them and no branch.
@@ -33,10 +33,10 @@ pub trait Optics: 'static {
 
     /// Returns the polarisation of the rays that hit a surface, in the frames of their planes of incidence at these
     /// normals.
-    fn before(shading: &Shading, surface: &Surface8, normal: Vec3x8) -> Self::Carried;
+    fn arriving(shading: &Shading, surface: &Surface8, normal: Vec3x8) -> Self::Carried;
 
     /// Returns the extras of rays that leave in `dir`, or `None` if they equal those of the arriving rays.
-    fn along(carried: &Self::Carried, dir: Vec3x8) -> Option<Extra8>;
+    fn leaving(carried: &Self::Carried, dir: Vec3x8) -> Option<Extra8>;
 
     /// Divides light at a boundary, by each lane's rule.
     fn boundary(
@@ -45,7 +45,7 @@ pub trait Optics: 'static {
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
         before: &Self::Carried,
-    ) -> Ways<Self::Carried>;
+    ) -> Lobes<Self::Carried>;
 
     /// Divides light at a pane, by each lane's rule.
     fn pane(
@@ -54,13 +54,13 @@ pub trait Optics: 'static {
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
         before: &Self::Carried,
-    ) -> Ways<Self::Carried>;
+    ) -> Lobes<Self::Carried>;
 
     /// Reflects light at a coat.
-    fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, before: &Self::Carried) -> Way<Self::Carried>;
+    fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, before: &Self::Carried) -> Lobe<Self::Carried>;
 
     /// Reflects light at a metal.
-    fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, before: &Self::Carried) -> Way<Self::Carried>;
+    fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, before: &Self::Carried) -> Lobe<Self::Carried>;
 
     /// Returns the polarisation after a mirror that reflects all polarisations alike.
     fn mirror(before: &Self::Carried) -> Self::Carried;
@@ -73,7 +73,7 @@ pub trait Optics: 'static {
         thin: Mask8,
         fixed: (Mask8, Rgb8),
         before: &Self::Carried,
-    ) -> Way<Self::Carried>;
+    ) -> Lobe<Self::Carried>;
 }
 
 /// Optics by a formula for unpolarised light.
@@ -84,10 +84,10 @@ impl<F: FresnelFormula> Optics for Unpolarised<F> {
     type Formula = F;
 
     #[inline(always)]
-    fn before(_: &Shading, _: &Surface8, _: Vec3x8) {}
+    fn arriving(_: &Shading, _: &Surface8, _: Vec3x8) {}
 
     #[inline(always)]
-    fn along((): &(), _: Vec3x8) -> Option<Extra8> {
+    fn leaving((): &(), _: Vec3x8) -> Option<Extra8> {
         None
     }
 
@@ -98,7 +98,7 @@ impl<F: FresnelFormula> Optics for Unpolarised<F> {
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
         (): &(),
-    ) -> Ways<()> {
+    ) -> Lobes<()> {
         plain(ruled(shading, surface, Vec3x8::all(F::dielectric(boundary, at)), at.total))
     }
 
@@ -109,18 +109,18 @@ impl<F: FresnelFormula> Optics for Unpolarised<F> {
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
         (): &(),
-    ) -> Ways<()> {
+    ) -> Lobes<()> {
         plain(ruled(shading, surface, Vec3x8::all(thin_reflectance(F::dielectric(boundary, at))), at.total))
     }
 
     #[inline(always)]
-    fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, (): &()) -> Way<()> {
-        Way { share: Vec3x8::all(F::dielectric(boundary, at)), carried: () }
+    fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, (): &()) -> Lobe<()> {
+        Lobe { share: Vec3x8::all(F::dielectric(boundary, at)), carried: () }
     }
 
     #[inline(always)]
-    fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, (): &()) -> Way<()> {
-        Way { share: F::conductor_rgb(cos_i, eta, k), carried: () }
+    fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, (): &()) -> Lobe<()> {
+        Lobe { share: F::conductor_rgb(cos_i, eta, k), carried: () }
     }
 
     #[inline(always)]
@@ -133,16 +133,16 @@ impl<F: FresnelFormula> Optics for Unpolarised<F> {
         thin: Mask8,
         (fixed, shares): (Mask8, Rgb8),
         (): &(),
-    ) -> Way<()> {
+    ) -> Lobe<()> {
         let face = F::dielectric(boundary, at);
         let reflectance = Real::select(thin, thin_reflectance(face), face);
-        Way { share: Vec3x8::select(fixed & !at.total, shares, Vec3x8::all(reflectance)), carried: () }
+        Lobe { share: Vec3x8::select(fixed & !at.total, shares, Vec3x8::all(reflectance)), carried: () }
     }
 }
 
 #[inline(always)]
-fn plain(share: Rgb8) -> Ways<()> {
-    Ways { back: Way { share, carried: () }, on: Way { share: WHITE - share, carried: () } }
+fn plain(share: Rgb8) -> Lobes<()> {
+    Lobes { reflection: Lobe { share, carried: () }, transmission: Lobe { share: WHITE - share, carried: () } }
 }
 
 /// Optics with the polarisation that each ray carries.
@@ -152,14 +152,19 @@ impl Polarised {
     /// Divides light at surfaces with these Mueller matrices, of which `fixed` ones have fixed shares and treat all
     /// polarisations alike.
     #[inline(always)]
-    fn ways(back: Mueller<F32x8>, on: Mueller<F32x8>, (fixed, shares): (Mask8, Rgb8), before: &Extra8) -> Ways<Extra8> {
-        let back = Mueller::select(fixed, Mueller::mirror(F32x8::ONE), back);
-        let on = Mueller::select(fixed, Mueller::straight(F32x8::ONE), on);
-        let (back, on) = ([back; 3], [on; 3]);
-        let share = Vec3x8::select(fixed, shares, before.gain(&back));
-        Ways {
-            back: Way { share, carried: before.then(&back) },
-            on: Way { share: WHITE - share, carried: before.then(&on) },
+    fn lobes(
+        reflection: Mueller<F32x8>,
+        transmission: Mueller<F32x8>,
+        (fixed, shares): (Mask8, Rgb8),
+        before: &Extra8,
+    ) -> Lobes<Extra8> {
+        let reflection = Mueller::select(fixed, Mueller::mirror(F32x8::ONE), reflection);
+        let transmission = Mueller::select(fixed, Mueller::straight(F32x8::ONE), transmission);
+        let (reflection, transmission) = ([reflection; 3], [transmission; 3]);
+        let share = Vec3x8::select(fixed, shares, before.gain(&reflection));
+        Lobes {
+            reflection: Lobe { share, carried: before.then(&reflection) },
+            transmission: Lobe { share: WHITE - share, carried: before.then(&transmission) },
         }
     }
 }
@@ -169,12 +174,12 @@ impl Optics for Polarised {
     type Formula = Exact;
 
     #[inline(always)]
-    fn before(shading: &Shading, surface: &Surface8, normal: Vec3x8) -> Extra8 {
+    fn arriving(shading: &Shading, surface: &Surface8, normal: Vec3x8) -> Extra8 {
         shading.extras[surface.place as usize].facing(surface.incident, normal)
     }
 
     #[inline(always)]
-    fn along(carried: &Extra8, dir: Vec3x8) -> Option<Extra8> {
+    fn leaving(carried: &Extra8, dir: Vec3x8) -> Option<Extra8> {
         Some(carried.along(dir))
     }
 
@@ -185,10 +190,10 @@ impl Optics for Polarised {
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
         before: &Extra8,
-    ) -> Ways<Extra8> {
+    ) -> Lobes<Extra8> {
         let (fixed, shares) = fixed_shares(shading, surface, WHITE);
-        let (back, on) = (Mueller::reflected(boundary, at), Mueller::refracted(boundary, at));
-        Self::ways(back, on, (fixed & !at.total, shares), before)
+        let (reflection, transmission) = (Mueller::reflected(boundary, at), Mueller::refracted(boundary, at));
+        Self::lobes(reflection, transmission, (fixed & !at.total, shares), before)
     }
 
     #[inline(always)]
@@ -198,23 +203,23 @@ impl Optics for Polarised {
         boundary: &Boundary<F32x8>,
         at: &Crossing<F32x8>,
         before: &Extra8,
-    ) -> Ways<Extra8> {
+    ) -> Lobes<Extra8> {
         let (fixed, shares) = fixed_shares(shading, surface, WHITE);
-        let (back, on) = Mueller::reflected(boundary, at).pane(at.total);
-        Self::ways(back, on, (fixed & !at.total, shares), before)
+        let (reflection, transmission) = Mueller::reflected(boundary, at).pane(at.total);
+        Self::lobes(reflection, transmission, (fixed & !at.total, shares), before)
     }
 
     #[inline(always)]
-    fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, before: &Extra8) -> Way<Extra8> {
+    fn coat(boundary: &Boundary<F32x8>, at: &Crossing<F32x8>, before: &Extra8) -> Lobe<Extra8> {
         let surface = [Mueller::reflected(boundary, at); 3];
-        Way { share: before.gain(&surface), carried: before.then(&surface) }
+        Lobe { share: before.gain(&surface), carried: before.then(&surface) }
     }
 
     #[inline(always)]
-    fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, before: &Extra8) -> Way<Extra8> {
+    fn metal(cos_i: F32x8, eta: Vec3x8, k: Vec3x8, before: &Extra8) -> Lobe<Extra8> {
         let channel = |eta: F32x8, k: F32x8| Mueller::metal(cos_i, eta, k);
         let surface = [channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z)];
-        Way { share: before.gain(&surface), carried: before.then(&surface) }
+        Lobe { share: before.gain(&surface), carried: before.then(&surface) }
     }
 
     #[inline(always)]
@@ -229,12 +234,13 @@ impl Optics for Polarised {
         thin: Mask8,
         (fixed, shares): (Mask8, Rgb8),
         before: &Extra8,
-    ) -> Way<Extra8> {
+    ) -> Lobe<Extra8> {
         let face = Mueller::reflected(boundary, at);
-        let (pane, pane_on) = face.pane(at.total);
-        let back = Mueller::select(thin, pane, face);
-        let on = Mueller::select(thin, pane_on, Mueller::refracted(boundary, at));
-        let Ways { back, on } = Self::ways(back, on, (fixed & !at.total, shares), before);
-        Way { share: back.share, carried: on.carried }
+        let (pane, pane_transmission) = face.pane(at.total);
+        let reflection = Mueller::select(thin, pane, face);
+        let transmission = Mueller::select(thin, pane_transmission, Mueller::refracted(boundary, at));
+        let Lobes { reflection, transmission } =
+            Self::lobes(reflection, transmission, (fixed & !at.total, shares), before);
+        Lobe { share: reflection.share, carried: transmission.carried }
     }
 }
