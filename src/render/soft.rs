@@ -15,7 +15,7 @@ use crate::accel::Shafts;
 use crate::geometry::{Content, Shaft, ShaftEnd};
 use crate::math::{Real, Vector3};
 use crate::scene::{Falloff, LampSampling, Light, LightKind, Scene, Spread};
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{F32x8, Vec3x8, set_lanes};
 
 /// Points of a lamp that cost less than looking through a shaft.
 const TOO_FEW: u32 = 4;
@@ -191,7 +191,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
     /// Lanes that the whole lamp shines on with nothing in between, and lanes that need a shadow ray for each point.
     fn sorted(&self, shading: &Shading, light: &Light, shafts: &Shafts) -> (u8, u8) {
         let (mut clear, mut traced) = (0, 0);
-        for lane in super::accumulate::set_lanes(self.surface.base_lanes) {
+        for lane in set_lanes(self.surface.base_lanes) {
             // Layers of a place where surfaces touch are crossed by rays alone.
             let layered = self.surface.returning[lane] != 0;
             let content = match self.view(light, lane) {

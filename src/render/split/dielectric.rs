@@ -1,6 +1,5 @@
 //! Boundaries of transparent solids and liquids: light is reflected and refracted.
 
-use super::super::accumulate::set_lanes;
 use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
@@ -18,7 +17,7 @@ use crate::optics::{
     StraightThrough, Trigonometric, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// The stage for a formula, where media disperse light or none does, and where surfaces touch. Where they do, the stage
 /// disperses, too: that some media could is looked up and not compiled in.
