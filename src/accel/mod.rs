@@ -14,6 +14,7 @@ pub mod native;
 pub mod reference;
 mod shafts;
 mod unbounded;
+pub mod walk;
 
 pub use shafts::Shafts;
 pub use unbounded::Unbounded;

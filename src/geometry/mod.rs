@@ -14,7 +14,7 @@ pub(crate) mod topology;
 pub(crate) mod triangle;
 pub mod triangle_test;
 
-pub use aabb::Aabb;
+pub use aabb::{Aabb, Aabb8, Octant};
 pub use hit::{Hit, Hit8, NO_GEOMETRY};
 pub use mesh::TriMesh;
 pub(crate) use mesh::is_usable;

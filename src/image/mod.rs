@@ -1,4 +1,4 @@
-//! Pictures: the film, and reading, writing and comparing them.
+//! Pictures: the film, and reading, writing and comparing picture files.
 
 mod compare;
 mod encode;

@@ -95,6 +95,15 @@ impl F32x8 {
         self.0.fast_trunc_int().to_array()
     }
 
+    /// The largest of eight numbers, none of which is NaN.
+    #[inline(always)]
+    #[must_use]
+    pub fn reduce_max(self) -> f32 {
+        let [a, b, c, d, e, f, g, h] = self.to_array();
+        let (a, b, c, d) = (a.max_or(e), b.max_or(f), c.max_or(g), d.max_or(h));
+        a.max_or(c).max_or(b.max_or(d))
+    }
+
     /// The smallest lane; lanes that are NaN are passed over.
     #[inline(always)]
     #[must_use]

@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::bvh2::{self, Bounds, Node2, PARALLEL, PrimRef};
+use super::binary::Node2;
+use super::primitive::{Bounds, PrimRef};
+use super::sah::{self, PARALLEL};
 use super::split::Extent;
 
 /// Sets of at most so many go by the surface area heuristic, which fills leaves better.
@@ -31,10 +33,10 @@ pub(super) fn build(prims: &mut [PrimRef]) -> Node2 {
     let small = order.partition_point(|o| o >> (32 + 3 * BITS) == 0);
     let (low, high) = prims.split_at_mut(small);
     match (low.is_empty(), high.is_empty()) {
-        (true, _) => bvh2::node(high, &extent, 0, 0),
+        (true, _) => sah::node(high, &extent, 0, 0),
         (_, true) => node(low, &order, 0, 0),
         _ => {
-            let large = bvh2::node(high, &Extent::of(high), small as u32, 1);
+            let large = sah::node(high, &Extent::of(high), small as u32, 1);
             Node2::inner(extent.bounds, Box::new([node(low, &order[..small], 0, 1), large]))
         }
     }
@@ -56,7 +58,7 @@ fn code(cell: [i32; 3]) -> u64 {
 fn node(prims: &mut [PrimRef], order: &[u64], first: u32, depth: usize) -> Node2 {
     let count = prims.len();
     if count <= SMALL {
-        return bvh2::node(prims, &Extent::of(prims), first, depth);
+        return sah::node(prims, &Extent::of(prims), first, depth);
     }
     let (low, high) = (order[0] >> 32, order[count - 1] >> 32);
     let middle = match (low ^ high).checked_ilog2() {

@@ -10,9 +10,11 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::bvh8::{Bvh8, Child};
-use super::leaf::{Best, Leaf, Met, Tags};
-use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector, Native};
+use super::native::Native;
+use super::native::node::bvh8::{Bvh8, NodeRef};
+use super::native::node::closest_hit::ClosestHit;
+use super::native::node::leaf::{Leaf, LeafHits, Tags};
+use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector};
 use crate::Result;
 use crate::geometry::slab::{SlabRay, upper_end};
 use crate::geometry::triangle_test::{
@@ -23,7 +25,7 @@ use crate::math::Real;
 use crate::simd::{Division, F32x8, Guess, Mask8, NewtonStep, Reciprocal, ReciprocalModel, Vec3x8};
 use crate::system::memory;
 
-/// The native hierarchy with a triangle test and a reciprocal of choice. Planes are left to [`super::super::Unbounded`].
+/// The native hierarchy with a triangle test and a reciprocal of choice. Planes are left to [`super::Unbounded`].
 #[derive(Debug)]
 pub struct Walk {
     trees: Trees,
@@ -33,16 +35,16 @@ pub struct Walk {
     settled: AtomicU64,
 }
 
-/// Lanes of triangle tests: those in which a triangle was tested, and those among them that fell to `f64`.
+/// TestCounts of triangle tests: those in which a triangle was tested, and those among them that fell to `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Lanes {
+pub struct TestCounts {
     /// Triangles tested.
     pub tested: u64,
     /// Tests that `f32` left open.
     pub settled: u64,
 }
 
-impl Lanes {
+impl TestCounts {
     /// Share of the tests that fell to `f64`; 0 where there were none.
     #[must_use]
     pub fn share(self) -> f64 {
@@ -79,13 +81,13 @@ struct Balls {
 
 /// What is still to be visited, and where it is entered.
 #[derive(Debug, Default)]
-pub struct Scratch(Vec<(f32, Child)>);
+pub struct Scratch(Vec<(f32, NodeRef)>);
 
 /// One choice, ready to be called.
 #[derive(Clone, Copy, Debug)]
 struct Kernels {
-    closest: fn(&Trees, &[Ray8], &mut [Hit8], &mut Scratch) -> Lanes,
-    occluded: fn(&Trees, &[Ray8], &mut [Mask8], &mut Scratch) -> Lanes,
+    closest: fn(&Trees, &[Ray8], &mut [Hit8], &mut Scratch) -> TestCounts,
+    occluded: fn(&Trees, &[Ray8], &mut [Mask8], &mut Scratch) -> TestCounts,
 }
 
 impl Walk {
@@ -152,13 +154,13 @@ impl Walk {
         Ok(Self { trees, kernels, stats: native.stats, tested, settled })
     }
 
-    /// Lanes of triangle tests so far.
+    /// TestCounts of triangle tests so far.
     #[must_use]
-    pub fn lanes(&self) -> Lanes {
-        Lanes { tested: self.tested.load(Ordering::Relaxed), settled: self.settled.load(Ordering::Relaxed) }
+    pub fn lanes(&self) -> TestCounts {
+        TestCounts { tested: self.tested.load(Ordering::Relaxed), settled: self.settled.load(Ordering::Relaxed) }
     }
 
-    fn count(&self, lanes: Lanes) {
+    fn count(&self, lanes: TestCounts) {
         self.tested.fetch_add(lanes.tested, Ordering::Relaxed);
         self.settled.fetch_add(lanes.settled, Ordering::Relaxed);
     }
@@ -233,7 +235,7 @@ impl<T: TriangleTest> One<T> {
 
     /// The triangles that the ray sees up to `t_max`.
     #[inline(always)]
-    fn meet<D: Reciprocal>(&self, leaf: &Corners, t_max: f32, lanes: &mut Lanes) -> (u8, Meeting<F32x8>) {
+    fn meet<D: Reciprocal>(&self, leaf: &Corners, t_max: f32, lanes: &mut TestCounts) -> (u8, Meeting<F32x8>) {
         let admitted = leaf.tags.admitted(self.admits);
         let met = T::meet_by::<F32x8, D>(&self.triangle, &leaf.corners);
         lanes.tested += u64::from(admitted.count_ones());
@@ -261,7 +263,7 @@ impl<T: TriangleTest> One<T> {
         mut visit: impl FnMut(&L, &mut f32) -> bool,
     ) -> bool {
         stack.clear();
-        if tree.root != Child::NONE {
+        if tree.root != NodeRef::NONE {
             stack.push((f32::NEG_INFINITY, tree.root));
         }
         while let Some((enter, here)) = stack.pop() {
@@ -275,9 +277,7 @@ impl<T: TriangleTest> One<T> {
                 continue;
             }
             let node = &tree.nodes[here.index()];
-            let near = |axis: usize| node.planes[axis][self.octant[axis]];
-            let far = |axis: usize| node.planes[axis][1 - self.octant[axis]];
-            let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
+            let (near, far) = node.boxes.sorted(self.octant);
             let (enter, leave) = self.slab.clip_sorted(near, far, self.t_min, F32x8::from(t_max));
             let mut met = enter.le(leave).bits();
             let base = stack.len();
@@ -304,8 +304,8 @@ fn closest<T: TriangleTest, D: Reciprocal>(
     rays: &[Ray8],
     hits: &mut [Hit8],
     scratch: &mut Scratch,
-) -> Lanes {
-    let mut lanes = Lanes::default();
+) -> TestCounts {
+    let mut lanes = TestCounts::default();
     for (rays, hits) in rays.iter().zip(hits) {
         for i in (0..8).filter(|i| rays.active >> i & 1 != 0) {
             let ray = rays.lane(i);
@@ -314,17 +314,17 @@ fn closest<T: TriangleTest, D: Reciprocal>(
                 continue;
             };
             let one = One::<T>::new::<D>(&ray);
-            let mut best = Best::new(t_max);
+            let mut best = ClosestHit::new(t_max);
             one.walk(&trees.spheres, best.t, scratch, |leaf, t_max| {
                 let (met, t) = one.meet_balls(leaf, *t_max);
-                let met = Met { lanes: Mask8::from_bits(met), t, u: F32x8::ZERO, v: F32x8::ZERO };
-                best.take(&met, &leaf.tags);
+                let met = LeafHits { lanes: Mask8::from_bits(met), t, u: F32x8::ZERO, v: F32x8::ZERO };
+                best.update(&met, &leaf.tags);
                 *t_max = best.t;
                 false
             });
             one.walk(&trees.triangles, best.t, scratch, |leaf, t_max| {
                 let (seen, met) = one.meet::<D>(leaf, *t_max, &mut lanes);
-                best.take(&Met { lanes: Mask8::from_bits(seen), t: met.t, u: met.u, v: met.v }, &leaf.tags);
+                best.update(&LeafHits { lanes: Mask8::from_bits(seen), t: met.t, u: met.u, v: met.v }, &leaf.tags);
                 *t_max = best.t;
                 false
             });
@@ -339,8 +339,8 @@ fn occluded<T: TriangleTest, D: Reciprocal>(
     rays: &[Ray8],
     blocked: &mut [Mask8],
     scratch: &mut Scratch,
-) -> Lanes {
-    let mut lanes = Lanes::default();
+) -> TestCounts {
+    let mut lanes = TestCounts::default();
     for (rays, blocked) in rays.iter().zip(blocked) {
         let mut bits = 0;
         for i in (0..8).filter(|i| rays.active >> i & 1 != 0) {

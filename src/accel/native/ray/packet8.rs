@@ -1,37 +1,35 @@
-//! Rays made ready for traversal: what every step would otherwise work out again.
+//! Ray packets prepared for traversal, so that no step computes the same value twice.
 
-use super::bits::transpose;
-use super::bvh8::{Bvh8, Child, Planes};
-use crate::geometry::Ray8;
 use crate::geometry::slab::{SlabRay, T_LIMIT, is_traceable};
 use crate::geometry::triangle::{Axis, ShearedRay};
+use crate::geometry::{Aabb8, Octant, Ray8};
 use crate::math::Real;
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes, transpose_bits};
 
-/// The axes as [`Axis::turn`] turns them, by the longest one.
-pub(super) const TURNED: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+/// Axes in the order of [`Axis::turn`], indexed by the longest axis.
+pub(crate) const TURNED_AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-/// What box tests ask of eight rays.
+/// A ray packet prepared for box tests.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way8 {
-    /// Starts and inverse directions.
+pub(crate) struct Packet8 {
+    /// Origins and inverse directions.
     pub slab: SlabRay<F32x8>,
     /// Directions.
     pub dir: Vec3x8,
-    /// Lower ends of the intervals.
+    /// Lower ends of the ray intervals.
     pub t_min: F32x8,
-    /// Upper ends; -inf in lanes without a ray that can meet anything.
+    /// Upper ends of the ray intervals; -inf in lanes without a traceable ray.
     pub t_max: F32x8,
-    /// Lanes with a ray that can meet anything.
+    /// Lanes with a traceable ray.
     pub lanes: u8,
-    /// Kinds of geometry looked for.
+    /// Bits of the [`crate::geometry::GeometryMask`] of all eight rays.
     pub admits: u8,
-    /// Sign bits of the inverse directions, an axis each.
+    /// Sign bits of the inverse directions, by axis.
     backwards: [u8; 3],
 }
 
-impl Way8 {
-    /// Makes a packet ready. Lanes that can meet nothing are left out from here on.
+impl Packet8 {
+    /// Prepares a packet. Lanes whose ray cannot hit anything (inactive, NaN, empty interval) are masked out.
     #[inline(always)]
     pub fn new(rays: &Ray8) -> Self {
         let t_max = Real::min(rays.t_max, F32x8::from(T_LIMIT));
@@ -49,17 +47,17 @@ impl Way8 {
         }
     }
 
-    /// The lanes among `lanes` that run into the same octant as the lowest of them.
+    /// Returns the lanes of `lanes` in the same octant as the lowest of them.
     #[inline(always)]
     pub fn same_octant(&self, lanes: u8) -> u8 {
         let first = lanes.trailing_zeros() & 7;
         self.backwards.iter().fold(lanes, |kept, &b| kept & if b >> first & 1 != 0 { b } else { !b })
     }
 
-    /// The lanes among `lanes` whose direction is as close to that of the lowest of them as `agreement`, the square
-    /// of the cosine between them; and those of these that also start where it does.
+    /// Compares the rays of `lanes` with the lowest of them. Returns the lanes whose directions differ by an angle whose
+    /// squared cosine is at least `agreement`, and those of them that also have the same origin.
     #[inline(always)]
-    pub fn same_way(&self, lanes: u8, agreement: f64) -> (u8, u8) {
+    pub fn similar(&self, lanes: u8, agreement: f64) -> (u8, u8) {
         let first = lanes.trailing_zeros() as usize & 7;
         let (dir, start) = (Vec3x8::splat(self.dir.lane(first)), Vec3x8::splat(self.slab.origin.lane(first)));
         let along = self.dir.dot(dir);
@@ -70,91 +68,67 @@ impl Way8 {
         (close, close & together.bits())
     }
 
-    /// For each axis, 1 where the ray of `lane` runs backwards along it: the index of its near planes.
+    /// The octant of the ray in `lane`.
     #[inline(always)]
-    pub fn octant(&self, lane: usize) -> [usize; 3] {
+    pub fn octant(&self, lane: usize) -> Octant {
         self.backwards.map(|b| usize::from(b >> lane & 1))
     }
 
-    /// The octants of all rays: a bit an axis, x lowest, set where they run backwards.
+    /// The octants of all rays as bits: x lowest, a bit set where the ray runs towards lower coordinates.
     #[inline(always)]
     pub fn octants(&self) -> [u8; 8] {
         let [x, y, z] = self.backwards.map(u64::from);
-        transpose(x | y << 8 | z << 16).to_le_bytes()
+        transpose_bits(x | y << 8 | z << 16).to_le_bytes()
     }
 
-    /// The rays one by one: start, lower end, inverse direction, upper end.
+    /// One row for each ray: origin, `t_min`, inverse direction, `t_max`.
     #[inline(always)]
     pub fn rows(&self) -> [F32x8; 8] {
         let (o, d) = (self.slab.origin, self.slab.inverse);
         F32x8::transpose([o.x, o.y, o.z, self.t_min, d.x, d.y, d.z, self.t_max])
     }
 
-    /// The lanes among `lanes` whose intervals begin at zero or later.
+    /// Returns the lanes of `lanes` with `t_min >= 0`.
     #[inline(always)]
     pub fn ahead(&self, lanes: u8) -> u8 {
         F32x8::ZERO.le(self.t_min).bits() & lanes
     }
 
-    /// Those of `lanes` that meet any box in the root of a tree.
+    /// Returns the boxes among `candidates` that a ray of `lanes` hits before `t_max`. All these rays share `octant`.
     #[inline(always)]
-    pub fn reach<L>(&self, tree: &Bvh8<L>, lanes: u8) -> u8 {
-        if tree.root.is_leaf() {
-            return if tree.root == Child::NONE { 0 } else { lanes };
-        }
-        let planes = &tree.nodes[tree.root.index()].planes;
-        let mut reached = 0;
-        for c in 0..8 {
-            let corner = |side: usize| {
-                let at = |axis: usize| F32x8::from(planes[axis][side].lane(c));
-                Vec3x8::new(at(0), at(1), at(2))
-            };
-            let (enter, leave) = self.slab.clip(corner(0), corner(1), self.t_min, self.t_max);
-            reached |= enter.le(leave).bits();
-            if reached & lanes == lanes {
-                break;
-            }
-        }
-        reached & lanes
-    }
-
-    /// Of the boxes in `boxes`, those that a ray of `lanes` meets before `t_max`. All of them run into `octant`.
-    #[inline(always)]
-    pub fn sift(&self, lanes: u8, t_max: F32x8, octant: [usize; 3], planes: &Planes, boxes: u8) -> u8 {
+    pub fn boxes_hit(&self, lanes: u8, t_max: F32x8, octant: Octant, boxes: &Aabb8, candidates: u8) -> u8 {
         let mut kept = 0;
-        each(boxes, |c| {
-            let near = |axis: usize| F32x8::from(planes[axis][octant[axis] & 1].lane(c));
-            let far = |axis: usize| F32x8::from(planes[axis][(octant[axis] & 1) ^ 1].lane(c));
-            let (near, far) = (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)));
+        for c in set_lanes(candidates) {
+            let (near, far) = boxes.sorted_lane(octant, c);
             let (enter, leave) = self.slab.clip_sorted(near, far, self.t_min, t_max);
             kept |= u8::from(enter.le(leave).bits() & lanes != 0) << c;
-        });
+        }
         kept
     }
 }
 
-/// Eight rays, made ready for whatever a tree holds.
+/// A ray packet prepared for box tests and for the primitive tests in leaves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Eight {
-    /// For boxes.
-    pub way: Way8,
-    /// Turned and sheared for the triangle test.
+pub(crate) struct LeafPacket8 {
+    /// The rays, prepared for box tests.
+    pub packet: Packet8,
+    /// The rays, sheared for the triangle test.
     pub sheared: ShearedRay<F32x8>,
     /// Longest axes of the directions.
     pub axis: Axis<Mask8>,
-    /// Lanes whose longest axis is x, and y.
+    /// Lanes whose longest axis is x, and those whose longest axis is y.
     axis_bits: (u8, u8),
 }
 
-impl Eight {
-    /// From what box tests ask.
+impl LeafPacket8 {
+    /// Prepares a packet for leaves.
     #[inline(always)]
-    pub fn new(way: &Way8) -> Self {
-        let (sheared, axis) = ShearedRay::new(way.slab.origin, way.dir);
-        Self { way: *way, sheared, axis, axis_bits: (axis.is_x.bits(), axis.is_y.bits()) }
+    pub fn new(packet: &Packet8) -> Self {
+        let (sheared, axis) = ShearedRay::new(packet.slab.origin, packet.dir);
+        Self { packet: *packet, sheared, axis, axis_bits: (axis.is_x.bits(), axis.is_y.bits()) }
     }
 
-    /// The longest axis of all of `lanes`, where they agree.
+    /// Returns the longest axis of the rays in `lanes` if it is the same for all of them.
     #[inline(always)]
     pub fn common_axis(&self, lanes: u8) -> Option<usize> {
         let (x, y) = (self.axis_bits.0 & lanes, self.axis_bits.1 & lanes);
@@ -167,19 +141,10 @@ impl Eight {
     }
 }
 
-impl Default for Eight {
-    /// No rays.
+impl Default for LeafPacket8 {
+    /// A packet without rays.
     fn default() -> Self {
-        Self::new(&Way8::new(&Ray8::default()))
-    }
-}
-
-/// Calls `f` with each lane.
-#[inline(always)]
-pub(super) fn each(mut lanes: u8, mut f: impl FnMut(usize)) {
-    while lanes != 0 {
-        f(lanes.trailing_zeros() as usize & 7);
-        lanes &= lanes - 1;
+        Self::new(&Packet8::new(&Ray8::default()))
     }
 }
 
@@ -208,9 +173,9 @@ mod tests {
             for bad in bad {
                 let mut rays = [good; 8];
                 rays[lane] = bad;
-                assert_eq!(Way8::new(&Ray8::pack(&rays)[0]).lanes, !(1 << lane), "{bad:?}");
+                assert_eq!(Packet8::new(&Ray8::pack(&rays)[0]).lanes, !(1 << lane), "{bad:?}");
             }
         }
-        assert_eq!(Way8::new(&Ray8::pack(&bad)[0]).lanes, 0);
+        assert_eq!(Packet8::new(&Ray8::pack(&bad)[0]).lanes, 0);
     }
 }

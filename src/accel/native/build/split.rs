@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::bvh2::{Bounds, LEAF_SIZE, PrimRef, half_area};
+use super::super::node::bvh8::LEAF_SIZE;
+use super::primitive::{Bounds, PrimRef, half_area};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8};
 
@@ -143,7 +144,7 @@ impl<const N: usize> Bins<N> {
         [below, above].map(|part| part.iter().fold(Bounds::EMPTY, |room, &bin| room.union(bin)))
     }
 
-    /// The cheapest border, as `(axis, first bin above)`. Eight borders at once; ties go to the lower axis, then
+    /// The cheapest border, as `(axis, first bin above)`. LeafPacket8 borders at once; ties go to the lower axis, then
     /// to the lower bin.
     #[inline(always)]
     fn best(&self) -> Option<(usize, usize)> {

@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::bvh2::{self, Kind, Node2, PrimRef};
-use super::bvh8::{Bvh8, Child, Node8};
-use super::leaf::Leaf;
-use super::{blockers, morton, reinsert};
+use super::super::node::bvh8::{Bvh8, Node8, NodeRef};
+use super::super::node::leaf::Leaf;
+use super::binary::{Node2, Subtree};
+use super::primitive::PrimRef;
+use super::{child_order, morton, reinsert, sah};
 use crate::Result;
 use crate::accel::BuildQuality;
 use crate::simd::room_for;
@@ -13,7 +14,7 @@ use crate::system::memory;
 
 /// Bytes that the binary tree over `prims` primitives takes, with their references: those of trees whose leaves are at
 /// least three eighths full. Leaves of meshes are half full or better.
-pub(super) fn bytes_first(prims: usize, quality: BuildQuality) -> u64 {
+pub(crate) fn bytes_first(prims: usize, quality: BuildQuality) -> u64 {
     let leaves = prims / 3 + 1;
     // An inner node for each leaf, with the header of its block.
     let tree = leaves * (2 * size_of::<Node2>() + 16);
@@ -32,19 +33,19 @@ pub(super) fn bytes_first(prims: usize, quality: BuildQuality) -> u64 {
 ///
 /// # Errors
 /// [`Error::Limit`](crate::Error::Limit), where there is no memory for nodes and leaves.
-pub(super) fn bvh8<L: Leaf + Send>(
+pub(crate) fn bvh8<L: Leaf + Send>(
     prims: &mut [PrimRef],
     quality: BuildQuality,
     named: (&str, &'static str),
     leaf: impl Fn(&[PrimRef]) -> L + Sync,
 ) -> Result<Bvh8<L>> {
     if prims.is_empty() {
-        return Ok(Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: Child::NONE, depth: 0 });
+        return Ok(Bvh8 { nodes: Vec::new(), leaves: Vec::new(), root: NodeRef::NONE, depth: 0 });
     }
     let tree = match quality {
         BuildQuality::Fast => morton::build(prims),
-        BuildQuality::Default => bvh2::build(prims),
-        BuildQuality::High => reinsert::improved(bvh2::build(prims)),
+        BuildQuality::Default => sah::build(prims),
+        BuildQuality::High => reinsert::improved(sah::build(prims)),
     };
     let mut flat = Flat { named, ..Flat::default() };
     let root = flat.place(&tree, 0)?;
@@ -56,13 +57,13 @@ pub(super) fn bvh8<L: Leaf + Send>(
     let mut covers = Vec::new();
     let of = |&(first, count): &(u32, u32)| {
         let leaf = leaf(&prims[first as usize..][..count as usize]);
-        let cover = leaf.cover();
+        let cover = leaf.shadow_area();
         (leaf, cover)
     };
     // Giving back half a million small boxes takes a while, too.
     rayon::join(|| flat.leaves.par_iter().map(of).unzip_into_vecs(&mut leaves, &mut covers), || drop(tree));
-    blockers::put_last(&mut nodes, &covers);
-    nodes.par_iter_mut().for_each(Node8::put_in_order);
+    child_order::put_last(&mut nodes, &covers);
+    nodes.par_iter_mut().for_each(Node8::sort_octants);
     Ok(Bvh8 { nodes, leaves, root, depth: flat.depth })
 }
 
@@ -78,29 +79,25 @@ struct Flat<'a> {
 
 impl Flat<'_> {
     /// Places a subtree whose root is at `depth`; depth first, so that near relatives are near in memory.
-    fn place(&mut self, node: &Node2, depth: usize) -> Result<Child> {
-        let halves = match &node.kind {
-            Kind::Leaf { first, count } => {
+    fn place(&mut self, node: &Node2, depth: usize) -> Result<NodeRef> {
+        let halves = match &node.subtree {
+            Subtree::Leaf { first, count } => {
                 self.depth = self.depth.max(depth);
                 memory::push(&mut self.leaves, (*first, *count), self.named.0, self.named.1)?;
-                return Ok(Child::leaf(self.leaves.len() - 1));
+                return Ok(NodeRef::leaf(self.leaves.len() - 1));
             }
-            Kind::Inner(halves) => halves,
+            Subtree::Inner(halves) => halves,
         };
         let mut children = arrayvec::ArrayVec::<&Node2, 8>::new();
-        Node2::children(halves, &mut |child| children.push(child));
+        Node2::wide_children(halves, &mut |child| children.push(child));
         let here = self.nodes.len();
         memory::push(&mut self.nodes, Node8::EMPTY, self.named.0, self.named.1)?;
         for (i, child) in children.iter().enumerate() {
             let to = self.place(child, depth + 1)?;
             let node = &mut self.nodes[here];
             node.children[i] = to;
-            let (lo, hi) = (child.lo, child.hi);
-            for axis in 0..3 {
-                node.planes[axis][0].set_lane(i, lo[axis]);
-                node.planes[axis][1].set_lane(i, hi[axis]);
-            }
+            node.boxes.set_lane(i, child.lo, child.hi);
         }
-        Ok(Child::node(here))
+        Ok(NodeRef::node(here))
     }
 }

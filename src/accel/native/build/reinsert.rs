@@ -4,7 +4,9 @@
 
 use std::collections::BinaryHeap;
 
-use super::bvh2::{Bounds, Kind, MAX_DEPTH, Node2};
+use super::super::node::bvh8::MAX_DEPTH;
+use super::binary::{Node2, Subtree};
+use super::primitive::Bounds;
 
 /// Rounds at most, and what a round must save to be followed by another one.
 const ROUNDS: usize = 4;
@@ -52,26 +54,26 @@ pub(super) fn improved(tree: Node2) -> Node2 {
 }
 
 /// A place for a subtree: how much the boxes above it grow, at least; the node.
-struct Place {
+struct Candidate {
     growth: f32,
     node: u32,
 }
 
-impl PartialEq for Place {
+impl PartialEq for Candidate {
     fn eq(&self, o: &Self) -> bool {
         self.cmp(o).is_eq()
     }
 }
 
-impl Eq for Place {}
+impl Eq for Candidate {}
 
-impl PartialOrd for Place {
+impl PartialOrd for Candidate {
     fn partial_cmp(&self, o: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(o))
     }
 }
 
-impl Ord for Place {
+impl Ord for Candidate {
     /// The least growth is the greatest.
     fn cmp(&self, o: &Self) -> std::cmp::Ordering {
         o.growth.total_cmp(&self.growth).then(o.node.cmp(&self.node))
@@ -81,11 +83,11 @@ impl Ord for Place {
 impl Arena {
     fn add(&mut self, node: &Node2, parent: u32) -> u32 {
         let here = self.nodes.len() as u32;
-        let prims = if let Kind::Leaf { first, count } = node.kind { (first, count) } else { (0, 0) };
+        let prims = if let Subtree::Leaf { first, count } = node.subtree { (first, count) } else { (0, 0) };
         let bounds = node.bounds();
         let area = bounds.half_area();
         self.nodes.push(Node { bounds, area, parent, children: [NONE; 2], prims });
-        if let Kind::Inner(halves) = &node.kind {
+        if let Subtree::Inner(halves) = &node.subtree {
             let children = [self.add(&halves[0], here), self.add(&halves[1], here)];
             self.nodes[here as usize].children = children;
         }
@@ -114,7 +116,7 @@ impl Arena {
     }
 
     /// Takes a subtree out, and puts it where it enlarges the boxes least, which may be where it was.
-    fn reinsert(&mut self, node: u32, queue: &mut BinaryHeap<Place>) {
+    fn reinsert(&mut self, node: u32, queue: &mut BinaryHeap<Candidate>) {
         let parent = self.node(node).parent;
         if parent == NONE || self.node(parent).parent == NONE {
             return;
@@ -166,12 +168,12 @@ impl Arena {
     }
 
     /// Branch and bound over the whole tree: beside which node the subtree costs least.
-    fn place_for(&self, node: u32, queue: &mut BinaryHeap<Place>) -> u32 {
+    fn place_for(&self, node: u32, queue: &mut BinaryHeap<Candidate>) -> u32 {
         let (bounds, area) = (self.nodes[node as usize].bounds, self.nodes[node as usize].area);
         let (mut best, mut least) = (self.root, f32::INFINITY);
         queue.clear();
-        queue.push(Place { growth: 0.0, node: self.root });
-        while let Some(Place { growth, node: at }) = queue.pop() {
+        queue.push(Candidate { growth: 0.0, node: self.root });
+        while let Some(Candidate { growth, node: at }) = queue.pop() {
             // Whatever follows needs a new node at least as large as the subtree.
             if growth + area >= least {
                 break;
@@ -183,7 +185,7 @@ impl Arena {
             }
             let growth = growth + (united - here.area);
             if here.children[0] != NONE && growth + area < least {
-                queue.extend(here.children.map(|child| Place { growth, node: child }));
+                queue.extend(here.children.map(|child| Candidate { growth, node: child }));
             }
         }
         best

@@ -2,9 +2,8 @@
 //! costs (Ize and Hansen 2011, "RTSAH Traversal Order for Occlusion Rays"). The order is that of the slots, so that it
 //! costs a traversal nothing.
 
-use super::beam::greatest;
-use super::bvh2::half_area;
-use super::bvh8::{Child, Node8};
+use super::super::node::bvh8::{Node8, NodeRef};
+use super::primitive::half_area;
 use crate::math::Real;
 use crate::simd::F32x8;
 
@@ -28,7 +27,7 @@ pub(super) fn put_last(nodes: &mut [Node8], covers: &[f32]) {
         // What a child is worth, with its slot in the lowest bits; absent ones stay last.
         let mut order = [u64::MAX; 8];
         let mut count = 0;
-        while count < 8 && node.children[count] != Child::NONE {
+        while count < 8 && node.children[count] != NodeRef::NONE {
             let child = node.children[count];
             odds[count] = if child.is_leaf() {
                 // A convex body throws a shadow of a quarter of its surface, averaged over all directions.
@@ -52,19 +51,19 @@ pub(super) fn put_last(nodes: &mut [Node8], covers: &[f32]) {
             open *= 1.0 - met * odds[slot].blocked;
         }
         known[here] = Odds { blocked: 1.0 - open, visits };
-        nodes[here].reorder(slots);
+        nodes[here].permute(slots);
     }
 }
 
 /// Half the surface of each box.
 fn half_areas(node: &Node8) -> F32x8 {
-    let span = |axis: usize| node.planes[axis][1] - node.planes[axis][0];
+    let span = |axis: usize| node.boxes.planes[axis][1] - node.boxes.planes[axis][0];
     half_area(span(0), span(1), span(2))
 }
 
 /// Half the surface of the box around all of them.
 fn whole_half_area(node: &Node8) -> f32 {
-    let span = |axis: usize| greatest(node.planes[axis][1]) + greatest(-node.planes[axis][0]);
+    let span = |axis: usize| node.boxes.planes[axis][1].reduce_max() + (-node.boxes.planes[axis][0]).reduce_max();
     half_area(span(0), span(1), span(2))
 }
 
@@ -73,42 +72,38 @@ mod tests {
     use super::*;
 
     /// A node of unit cubes side by side along x.
-    fn cubes(children: &[Child]) -> Node8 {
+    fn cubes(children: &[NodeRef]) -> Node8 {
         let mut node = Node8::EMPTY;
         for (i, &child) in children.iter().enumerate() {
             node.children[i] = child;
-            for axis in 0..3 {
-                let lo = if axis == 0 { i as f32 } else { 0.0 };
-                node.planes[axis][0].set_lane(i, lo);
-                node.planes[axis][1].set_lane(i, lo + 1.0);
-            }
+            node.boxes.set_lane(i, [i as f32, 0.0, 0.0], [i as f32 + 1.0, 1.0, 1.0]);
         }
         node
     }
 
     #[test]
     fn the_leaf_that_covers_most_of_its_box_is_looked_at_first() {
-        let leaves = [0, 1, 2].map(Child::leaf);
+        let leaves = [0, 1, 2].map(NodeRef::leaf);
         let mut nodes = [cubes(&leaves)];
         put_last(&mut nodes, &[0.9, 3.0, 0.0]);
-        assert_eq!(nodes[0].children[..4], [leaves[2], leaves[0], leaves[1], Child::NONE]);
+        assert_eq!(nodes[0].children[..4], [leaves[2], leaves[0], leaves[1], NodeRef::NONE]);
         // Boxes move with what is in them, and what is absent stays out of reach.
-        assert_eq!(nodes[0].planes[0][0].to_array()[..3], [2.0, 0.0, 1.0]);
-        assert_eq!(nodes[0].planes[0][1].to_array()[..3], [3.0, 1.0, 2.0]);
-        assert_eq!(nodes[0].planes[2][0].lane(3), f32::INFINITY);
+        assert_eq!(nodes[0].boxes.planes[0][0].to_array()[..3], [2.0, 0.0, 1.0]);
+        assert_eq!(nodes[0].boxes.planes[0][1].to_array()[..3], [3.0, 1.0, 2.0]);
+        assert_eq!(nodes[0].boxes.planes[2][0].lane(3), f32::INFINITY);
     }
 
     #[test]
     fn a_node_counts_by_what_is_below_it_for_what_that_costs() {
         // Below: two cubes of half surface 3, each met by a ray into the box around them (half surface 5) with odds of
         // 3 in 5; one is solid, one empty. Blocked: 3/5. Visits: itself, 3/5 for the solid one, 2/5 of 3/5 for the other.
-        let below = cubes(&[Child::leaf(0), Child::leaf(1)]);
+        let below = cubes(&[NodeRef::leaf(0), NodeRef::leaf(1)]);
         let visits = 1.0 + 0.6 + 0.4 * 0.6;
         for (cover, node_first) in [(3.0 * 0.99 * 0.6 / visits, true), (3.0 * 1.01 * 0.6 / visits, false)] {
-            let mut nodes = [cubes(&[Child::node(1), Child::leaf(2)]), below];
+            let mut nodes = [cubes(&[NodeRef::node(1), NodeRef::leaf(2)]), below];
             put_last(&mut nodes, &[0.0, 3.0, cover]);
             let last = nodes[0].children[1];
-            assert_eq!(last == Child::node(1), node_first, "{cover}");
+            assert_eq!(last == NodeRef::node(1), node_first, "{cover}");
         }
     }
 }
