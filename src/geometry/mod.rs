@@ -65,6 +65,14 @@ pub struct Geometry {
     pub mask: GeometryMask,
 }
 
+impl Geometry {
+    /// A shape that every ray looks for.
+    #[must_use]
+    pub fn new(shape: impl Into<Shape>) -> Self {
+        Self { shape: shape.into(), mask: GeometryMask::ALL }
+    }
+}
+
 /// The shapes that can be intersected.
 #[derive(Clone, Debug)]
 pub enum Shape {

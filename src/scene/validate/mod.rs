@@ -158,6 +158,9 @@ impl Scene {
 fn medium(check: &mut Check<'_>, medium: &Medium) {
     check.ior("ior", medium.ior);
     check.light("absorption", medium.absorption);
+    if !medium.disperses() {
+        return;
+    }
     // Both ends of the visible range: the curve falls or is constant between them.
     let curve = [385.0, 705.0].map(|nm| medium.index_at(nm));
     let falls = curve.iter().all(|n| INDICES.contains(n)) && curve[0] >= curve[1];
