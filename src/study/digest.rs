@@ -1,4 +1,4 @@
-//! What a journal has to agree in with a study that goes on from it.
+//! Digest of a study, which decides if a journal can be continued.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
@@ -6,8 +6,8 @@ use super::run::Subject;
 use crate::geometry::{Shape, TriMesh};
 use crate::scene::Scene;
 
-/// Of the scene, the default choices, the size asked for, the threads, the program and the machine. Neither axes nor
-/// time limit are part of it: what was measured serves another choice of these, too.
+/// Computes the digest of the scene, the default choices, the requested size, the threads, the program and the machine.
+/// Axes and time limit are not part of it, since measurements also serve other values of these.
 #[must_use]
 pub fn of(subject: &Subject) -> String {
     let mut hasher = DefaultHasher::new();
@@ -20,7 +20,7 @@ pub fn of(subject: &Subject) -> String {
     format!("{:016x}", hasher.finish())
 }
 
-/// The program's own bytes: its version alone does not tell one build from the next.
+/// Hashes the program's own bytes, since its version does not identify a build.
 fn program() -> u64 {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
     let mut hasher = DefaultHasher::new();
