@@ -39,6 +39,7 @@
 //! ```
 
 pub mod accel;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod effects;
 pub mod error;

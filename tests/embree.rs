@@ -2,7 +2,7 @@
 //!
 //! Where no library is found the tests say so and pass, unless VITRUM_REQUIRE_EMBREE is set.
 
-mod support;
+use crate::support;
 
 use std::io::Write;
 

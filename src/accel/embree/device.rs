@@ -16,6 +16,22 @@ use super::options::{Frequency, Isa, Quality};
 use super::scene::SceneBuilder;
 use super::sys::{self, Api, QueryArguments, Valid};
 use crate::error::{Error, Result};
+use crate::system::memory;
+
+/// Address space that each device maps when it is made (a heap of its own) and writes little of.
+const DEVICE_BYTES: u64 = 128 << 20;
+
+/// Address space that each build thread takes: its stack and its part of the scheduler.
+const THREAD_BYTES: u64 = 5 << 20;
+
+/// Address space that the libraries take which Embree needs: TBB and the C++ runtime.
+const BESIDE_BYTES: u64 = 16 << 20;
+
+/// The way out where Embree finds no memory.
+pub(super) const WITHOUT: &str = "take --backend native";
+
+/// The code of `RTC_ERROR_OUT_OF_MEMORY`.
+const OUT_OF_MEMORY: c_int = 4;
 
 /// One loaded library that was found fit for use. It stays loaded until the program ends: its worker threads do, too.
 pub struct Library {
@@ -67,6 +83,9 @@ impl Library {
     /// Loads one file and asks it what it is.
     fn load(found: &Found) -> Result<Self> {
         let file = found.file.display();
+        // Where only the system's loader knows the file, there is no size to ask for.
+        let size = std::fs::metadata(&found.file).map_or(0, |m| m.len());
+        memory::need_mapped(&format!("Embree ({file})"), size + BESIDE_BYTES + DEVICE_BYTES, WITHOUT)?;
         // SAFETY: loading runs the library's initialisers; Embree's and TBB's have no preconditions. What else may
         // bear this name is the word of whoever set EMBREE_DIR or administers the system.
         let handle = unsafe { libloading::Library::new(&found.file) }.map_err(|e| {
@@ -86,7 +105,7 @@ impl Library {
         if device.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (api.device_error)(std::ptr::null_mut()) };
-            return Err(Error::Limit(format!("Embree: {file} makes no device: {}", error_name(code))));
+            return Err(reported(code, &format!("{file} makes no device: {}", error_name(code))));
         }
         // SAFETY: a device that was just made; unknown properties are answered by 0.
         let property = |which| unsafe { (api.device_property)(device, which) };
@@ -116,7 +135,8 @@ impl Library {
 /// What Embree reports of a device behind our back.
 #[derive(Default)]
 struct Log {
-    error: Mutex<Option<String>>,
+    /// The first error: its code, and what Embree says of it.
+    error: Mutex<Option<(c_int, String)>>,
     bytes: AtomicIsize,
 }
 
@@ -139,6 +159,8 @@ impl Device {
     /// # Errors
     /// [`Error::Limit`] where Embree makes none, because the CPU lacks the instructions asked for above all.
     pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
+        let workers = if threads == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { threads };
+        memory::need_mapped("an Embree device", DEVICE_BYTES + workers as u64 * THREAD_BYTES, WITHOUT)?;
         let mut config = format!("verbose=0,threads={threads}");
         let narrow = matches!(isa, Isa::Sse42 | Isa::Avx);
         if frequency == Frequency::Widest && !narrow && has_avx2() {
@@ -155,11 +177,7 @@ impl Device {
         if raw.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (library.api.device_error)(std::ptr::null_mut()) };
-            return Err(Error::Limit(format!(
-                "Embree: no device for {}: {}",
-                config.to_string_lossy(),
-                error_name(code)
-            )));
+            return Err(reported(code, &format!("no device for {}: {}", config.to_string_lossy(), error_name(code))));
         }
         // SAFETY: the log outlives the device, and both callbacks take it for what it is.
         unsafe {
@@ -201,7 +219,7 @@ impl Device {
     /// Fails with what Embree has reported since the last call.
     pub(super) fn check(&self) -> Result<()> {
         match self.log.error.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(message) => Err(Error::Limit(format!("Embree: {message}"))),
+            Some((code, message)) => Err(reported(code, &message)),
             None => Ok(()),
         }
     }
@@ -294,7 +312,16 @@ unsafe extern "C" fn note_error(user: *mut c_void, code: c_int, message: *const 
     log.error
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert_with(|| format!("{}: {text}", error_name(code)));
+        .get_or_insert_with(|| (code, format!("{}: {text}", error_name(code))));
+}
+
+/// The error for what Embree reports.
+fn reported(code: c_int, message: &str) -> Error {
+    if code == OUT_OF_MEMORY {
+        memory::ran_out("Embree's hierarchy", WITHOUT)
+    } else {
+        Error::Limit(format!("Embree: {message}"))
+    }
 }
 
 /// Keeps count of the bytes; always agrees.

@@ -4,8 +4,6 @@ mod agree;
 mod cases;
 mod rules;
 mod stacks;
-#[path = "../support/mod.rs"]
-mod support;
 
 use vitrum::accel::Unbounded;
 use vitrum::accel::native::Native;
