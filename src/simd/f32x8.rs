@@ -1,6 +1,8 @@
 //! Eight `f32` lanes. A newtype over `wide::f32x8` that leaves out its traps: the 12-bit `recip` and `recip_sqrt`,
 //! and the NaN-unsafe `fast_min` and `fast_max`.
 
+#![allow(unsafe_code, reason = "intrinsics of the CPU")]
+
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::{Mask8, magnitude};

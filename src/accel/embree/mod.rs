@@ -24,6 +24,8 @@ mod packet;
 pub mod reach;
 pub mod scene;
 mod sphere;
+/// Public only for the tests of the structs' sizes.
+#[doc(hidden)]
 pub mod sys;
 
 pub use options::{Frequency, Isa, Mode, Options, Quality, Spheres, Width};

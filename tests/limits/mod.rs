@@ -1,9 +1,9 @@
-//! Limits that the system sets: memory, stacks, sizes of files. Whatever the limit, the program ends with a picture, or with
+//! Limits that the system sets: memory, stacks, sizes of files. Whatever the limit, the program ends with its result, or with
 //! one line that says what was too large and the exit code of a limit; never by a signal, and never with half a file.
-//!
-//! `VITRUM_TEST_SCALE=100 cargo test --test command limits::` makes a thousand runs under limits on memory instead of ten.
 
 #![cfg(target_os = "linux")]
+
+mod memory;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -41,21 +41,6 @@ fn names(folder: &Path) -> Vec<String> {
         fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
-}
-
-/// Returns true for a picture, false for a limit that is told in one line. Anything else fails.
-#[track_caller]
-fn sufficed(output: &Output, what: &str) -> bool {
-    let said = String::from_utf8_lossy(&output.stderr);
-    match output.status.code() {
-        Some(0) => true,
-        Some(4) => {
-            let told = said.starts_with("error: ") && said.lines().count() == 1;
-            assert!(told && said.contains("needed, ") && said.contains("left"), "{what}: {said}");
-            false
-        }
-        code => panic!("{what}: exit code {code:?}, signal {:?}: {said}", output.status.signal()),
-    }
 }
 
 #[track_caller]
@@ -115,90 +100,6 @@ fn scenes() -> (TempDir, Vec<String>) {
         scenes.push(scene);
     }
     (folder, scenes)
-}
-
-/// The scenes under limits of `least` MiB to 2 GiB. `how` runs one under a limit in bytes.
-fn none_is_killed(least: f64, how: impl Fn(&Path, u64, &str) -> Output) {
-    let (folder, scenes) = scenes();
-    let before = names(folder.path());
-    let scale: usize = std::env::var("VITRUM_TEST_SCALE").ok().map_or(1, |n| n.parse().expect("a number"));
-    let runs = 10 * scale;
-    let each = runs.div_ceil(scenes.len());
-    let mut refusals = 0;
-    for (i, scene) in scenes.iter().enumerate() {
-        let mut least_enough = u64::MAX;
-        let mut most_refused = 0;
-        for k in 0..each {
-            // By equal ratios, each scene at other places but for the first.
-            let shift = if k == 0 { 0.0 } else { i as f64 / scenes.len() as f64 };
-            let limit = (least * (2048.0 / least).powf((k as f64 + shift) / each as f64) * f64::from(1 << 20)) as u64;
-            let backend = ["native", "reference"][k % 8 / 7];
-            let line = format!("render {scene} -q -o out.pfm --threads {} --backend {backend}", 1 + k % 4);
-            let output = how(folder.path(), limit, &line);
-            if sufficed(&output, &format!("{line} under {limit} bytes")) {
-                least_enough = least_enough.min(if backend == "native" && k % 4 == 0 { limit } else { u64::MAX });
-                fs::remove_file(folder.path().join("out.pfm")).unwrap();
-            } else {
-                refusals += 1;
-                most_refused = most_refused.max(if backend == "native" && k % 4 == 0 { limit } else { 0 });
-            }
-            assert_eq!(names(folder.path()), before, "{line} under {limit} bytes");
-        }
-        assert!(most_refused < least_enough, "{scene}: {most_refused} bytes did not suffice, {least_enough} did");
-    }
-    assert!(refusals > 0, "no limit was too low for anything");
-}
-
-/// Case IO-21 of the catalogue.
-#[test]
-fn no_limit_on_address_space_kills_a_render_and_more_never_fails_where_less_sufficed() {
-    none_is_killed(50.0, |folder, bytes, line| under(folder, &format!("ulimit -v {}", bytes >> 10), line));
-}
-
-/// A control group for memory, where this user may make one.
-struct Group {
-    folder: PathBuf,
-    limit: &'static str,
-}
-
-impl Group {
-    fn new() -> Option<Self> {
-        let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-        for line in groups.lines() {
-            let mut parts = line.splitn(3, ':').skip(1);
-            let (controllers, path) = (parts.next()?, parts.next()?.trim_end_matches('/'));
-            let (root, limit) = match controllers {
-                "" => ("/sys/fs/cgroup", "memory.max"),
-                "memory" => ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"),
-                _ => continue,
-            };
-            let folder = PathBuf::from(format!("{root}{path}/vitrum-test-{}", std::process::id()));
-            if fs::create_dir(&folder).is_ok() {
-                let group = Self { folder, limit };
-                if group.folder.join(limit).exists() {
-                    return Some(group);
-                }
-            }
-        }
-        eprintln!("SKIPPED: a control group for memory needs the right to make one");
-        None
-    }
-}
-
-impl Drop for Group {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir(&self.folder);
-    }
-}
-
-#[test]
-fn no_memory_limit_of_a_control_group_kills_a_render() {
-    let Some(group) = Group::new() else { return };
-    // Of memory that is mapped only what is written counts.
-    none_is_killed(20.0, |folder, bytes, line| {
-        fs::write(group.folder.join(group.limit), bytes.to_string()).unwrap();
-        under(folder, &format!("echo $$ > {}", group.folder.join("cgroup.procs").display()), line)
-    });
 }
 
 #[test]
