@@ -23,7 +23,7 @@ use vitrum::trial::rays::View;
 use vitrum::trial::verify::{self, Group, NativePath, Plan};
 
 /// Rays at each mesh.
-const RAYS: usize = 100;
+const RAYS: usize = 500;
 
 fn geometry(mesh: &TriMesh) -> [Geometry; 1] {
     [Geometry { shape: Shape::Mesh(mesh.clone()), mask: GeometryMask::OPAQUE }]
@@ -47,7 +47,7 @@ fn count(causes: &mut Causes, verdict: Verdict) {
 /// Aims at meshes of one kind, and holds every kernel's answers against the arbiter.
 fn native_is_right_at(boundary: Boundary) -> Causes {
     let mut causes = Causes::new();
-    for seed in 0..aim::count(100) as u64 {
+    for seed in 0..aim::count(20) as u64 {
         let mesh = boundary.mesh(seed);
         if mesh.triangles.is_empty() {
             continue;

@@ -181,7 +181,7 @@ pub(super) fn trace(
             let render_time = start.elapsed();
             if let Some(exposure) = exposure {
                 // Native follows a sample further in a fraction of the time.
-                let accel = Unbounded::new(Native::build_as(&scene.geometry, bvh), &scene.geometry);
+                let accel = Unbounded::new(Native::try_build_as(&scene.geometry, bvh)?, &scene.geometry);
                 look(scene, &accel, options, observer, exposure, &mut outcome)?;
             }
             let build_time = Duration::ZERO;

@@ -5,7 +5,8 @@ use std::sync::atomic::Ordering;
 
 use super::{Facts, Notice, of_picture, of_scene};
 use crate::Result;
-use crate::accel::{Unbounded, native::Native};
+use crate::accel::native::Native;
+use crate::accel::{BuildQuality, Unbounded};
 use crate::effects;
 use crate::load::LoadReport;
 use crate::render::{self, Observer, Options, Pixels, Shortfall};
@@ -29,7 +30,7 @@ pub fn survey(
     observer: &Observer,
 ) -> Result<Vec<Notice>> {
     let options = Options { effects: effects::Options::default(), ..options.clone() };
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Unbounded::new(Native::try_build_as(&scene.geometry, BuildQuality::Default)?, &scene.geometry);
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
         let mut outcome = render::render(scene, &accel, &options, observer)?;
         let pixels = Pixels::new(&accel, &options, observer);

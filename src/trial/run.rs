@@ -110,7 +110,7 @@ impl Built {
     /// # Errors
     /// A limit, where Embree is not found or memory runs out.
     pub fn new(geometry: &[Geometry], team: &Team, embree: bool, bvh: BuildQuality) -> Result<Self> {
-        let native = team.install(|| Native::build_as(geometry, bvh));
+        let native = team.install(|| Native::try_build_as(geometry, bvh))?;
         #[cfg(not(feature = "embree"))]
         let _ = embree;
         Ok(Self {

@@ -18,7 +18,7 @@ use super::options::{Frequency, Isa, Quality};
 use super::scene::SceneBuilder;
 use super::sys::{self, Api, QueryArguments, Valid};
 use crate::error::{Error, Result};
-use crate::system::memory;
+use crate::system::{memory, threads};
 
 /// Address space that each device maps when it is made (a heap of its own) and writes little of.
 const DEVICE_BYTES: u64 = 128 << 20;
@@ -101,7 +101,8 @@ impl Library {
         // older Embree, is refused below before any function is called that changed since.
         let api = unsafe { Api::load(handle) }
             .map_err(|name| Error::Limit(format!("Embree: {file} has no {name}, so it is not Embree 4; {CURE}")))?;
-        let config = c"verbose=0";
+        let config = c"verbose=0,threads=1";
+        threads::probe(1)?;
         // SAFETY: a terminated string; the function is the same in all versions.
         let device = unsafe { (api.new_device)(config.as_ptr()) };
         if device.is_null() {
@@ -163,6 +164,7 @@ impl Device {
     pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
         let workers = if threads == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { threads };
         memory::need_mapped("an Embree device", DEVICE_BYTES + workers as u64 * THREAD_BYTES, WITHOUT)?;
+        threads::probe(workers)?;
         let mut config = format!("verbose=0,threads={threads}");
         let narrow = matches!(isa, Isa::Sse42 | Isa::Avx);
         if frequency == Frequency::Widest && !narrow && has_avx2() {

@@ -101,7 +101,7 @@ impl Candidate for NativePath {
     }
 
     fn build(&self, geometry: &[Geometry]) -> Result<Vec<Way<Self::Accel>>> {
-        let native = Arc::new(Native::build_as(geometry, self.bvh));
+        let native = Arc::new(Native::try_build_as(geometry, self.bvh)?);
         let way = |(name, kernel)| {
             let held = Held { native: Arc::clone(&native), kernel };
             Way { name, accel: Unbounded::new(held, geometry) }
@@ -117,7 +117,7 @@ impl Candidate for NativePath {
     }
 
     fn validate(&self, geometry: &[Geometry]) -> std::result::Result<(), String> {
-        Native::build_as(geometry, self.bvh).validate(geometry)
+        Native::try_build_as(geometry, self.bvh).map_err(|e| e.to_string())?.validate(geometry)
     }
 }
 

@@ -21,7 +21,7 @@ const BATCHES: usize = 64;
 const CHUNK: usize = 256;
 
 /// Mean units of [`Budget`] per ray in a batch: several times that of a ray in a large model.
-const UNITS_A_RAY: u64 = 6_000;
+const UNITS_A_RAY: u64 = 2_400;
 
 /// Units of [`Budget`] after which no more rays are traced together.
 const CHUNK_UNITS: u64 = 2_000_000;
@@ -56,6 +56,7 @@ pub fn fire<C: Candidate>(
     observer: &Observer,
 ) -> Result<Vec<Finding>> {
     let target = Target { scene, name, ways: candidate.build(&scene.geometry)?, exact: candidate.is_exact() };
+    Reference::need(&scene.geometry)?;
     let arbiter = Reference::build(&scene.geometry);
     let aim = Aim::at(scene);
     let mut findings = Vec::new();
