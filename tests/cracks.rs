@@ -13,10 +13,11 @@ use support::kernels::{Held, KERNELS};
 use support::{Rng, aim, contract, exact, scenes};
 use vitrum::accel::native::Native;
 use vitrum::accel::reference::{Cause, Fault, Reference, Verdict};
+use vitrum::accel::{Backend, BuildQuality};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Ray, Shape, TriMesh};
 use vitrum::render::Observer;
 use vitrum::scene::Material;
-use vitrum::trial::verify::{self, Group, NativePath, Plan};
+use vitrum::trial::verify::{self, Group, Plan, UnderTest};
 
 /// Rays at each mesh.
 const RAYS: usize = 100;
@@ -294,7 +295,13 @@ fn a_slit_narrower_than_45_degrees_is_no_leak() {
     assert!(matches!(verdict, Verdict::Agrees | Verdict::Undecidable(Cause::Crack, _)), "{verdict:?}");
     let scene = scene(mesh);
     let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(6400) };
-    let findings = verify::fire_at_scene(&NativePath::default(), &scene, "fan.obj", &plan, &Observer::default());
+    let findings = verify::fire_at_scene(
+        &UnderTest { backend: Backend::Native, bvh: BuildQuality::Default },
+        &scene,
+        "fan.obj",
+        &plan,
+        &Observer::default(),
+    );
     for f in findings.expect("the native path is there") {
         assert!(f.holds(), "{}: {:#?}", f.group.name(), f.tally.examples);
     }
@@ -321,7 +328,13 @@ fn verify_accuses_nobody_at_random_meshes() {
             let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(1280) };
             let scene = scene(mesh);
             let name = format!("{boundary:?} {seed}");
-            let found = verify::fire_at_scene(&NativePath::default(), &scene, &name, &plan, &Observer::default());
+            let found = verify::fire_at_scene(
+                &UnderTest { backend: Backend::Native, bvh: BuildQuality::Default },
+                &scene,
+                &name,
+                &plan,
+                &Observer::default(),
+            );
             for f in found.expect("the native path is there") {
                 assert!(f.holds() && f.tally.left_out == 0, "{name}, {}: {:#?}", f.group.name(), f.tally);
                 cases += f.tally.cases;

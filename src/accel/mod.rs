@@ -8,13 +8,17 @@ use std::time::Duration;
 use crate::geometry::{Geometry, Hit8, Ray8, Shape};
 use crate::simd::Mask8;
 
-#[cfg(feature = "embree")]
+mod backend;
+mod dispatch;
+#[cfg_attr(not(feature = "embree"), path = "embree/absent.rs")]
 pub mod embree;
 pub mod native;
 pub mod reference;
 mod shafts;
 mod unbounded;
 
+pub use backend::Backend;
+pub use dispatch::{Accel, BuildOptions};
 pub use shafts::Shafts;
 pub use unbounded::Unbounded;
 

@@ -12,10 +12,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::Vec3;
 
 use super::find::{self, CURE, Found};
+use super::installed::Installed;
 use super::options::{Frequency, Isa, Quality};
 use super::scene::SceneBuilder;
 use super::sys::{self, Api, QueryArguments, Valid};
-use crate::error::{Error, Result};
+use crate::error::Unavailable;
 
 /// One loaded library that was found fit for use. It stays loaded until the program ends: its worker threads do, too.
 pub struct Library {
@@ -41,12 +42,13 @@ impl Library {
     /// Loads the library, from the folder `wished` or where [`find::find`] finds it, once for each file.
     ///
     /// # Errors
-    /// [`Error::Limit`] where it is missing, cannot be loaded, lacks functions, is not version 4, or writes past the
+    /// [`Unavailable`] where it is missing, cannot be loaded, lacks functions, is not version 4, or writes past the
     /// end of the structs it is given.
-    pub fn open(wished: Option<&Path>) -> Result<&'static Self> {
-        let found = find::find(wished).map_err(|folder| {
-            let (file, folder) = (find::FILE_NAME, folder.display());
-            Error::Limit(format!("Embree: no {file} in {folder} (EMBREE_DIR): correct or unset that, or {CURE}"))
+    pub fn open(wished: Option<&Path>) -> Result<&'static Self, Unavailable> {
+        let found = find::find(wished).map_err(|folder| Unavailable::NotFound {
+            library: find::FILE_NAME,
+            place: format!("in {} (EMBREE_DIR)", folder.display()),
+            cure: format!("correct or unset that, or {CURE}"),
         })?;
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = loaded.iter().find(|l| l.file == found.file) {
@@ -55,38 +57,38 @@ impl Library {
         let fresh: &'static Self = Box::leak(Box::new(Self::load(&found)?));
         let past = Device::open(fresh, 1, Frequency::Widest, Isa::Best)?.bytes_written_past(sys::RAY_HIT_ENDS)?;
         if past != [0; 3] {
-            return Err(Error::Limit(format!(
-                "Embree: {} was built for nested instances and would write past its hits; use another build",
-                found.file.display()
-            )));
+            let why = "was built for nested instances and would write past its hits; use another build";
+            return Err(Unavailable::Unfit(format!("{} {why}", found.file.display())));
         }
         loaded.push(fresh);
         Ok(fresh)
     }
 
     /// Loads one file and asks it what it is.
-    fn load(found: &Found) -> Result<Self> {
+    fn load(found: &Found) -> Result<Self, Unavailable> {
         let file = found.file.display();
         // SAFETY: loading runs the library's initialisers; Embree's and TBB's have no preconditions. What else may
         // bear this name is the word of whoever set EMBREE_DIR or administers the system.
         let handle = unsafe { libloading::Library::new(&found.file) }.map_err(|e| {
-            let missing = found.because == "system";
-            let why = if missing { format!("no {file} on this system") } else { format!("cannot load {file}: {e}") };
-            Error::Limit(format!("Embree: {why}; {CURE}").replace('\n', " "))
+            if found.file == Path::new(find::FILE_NAME) {
+                let (place, cure) = (String::from("on this system"), CURE.into());
+                return Unavailable::NotFound { library: find::FILE_NAME, place, cure };
+            }
+            Unavailable::Unfit(format!("cannot load {file}: {e}; {CURE}").replace('\n', " "))
         })?;
         // Worker threads may still run the library's code when the program ends, so it is never unloaded.
         let handle: &'static libloading::Library = Box::leak(Box::new(handle));
         // SAFETY: the handle is never dropped; a library that is not Embree 4 lacks one of the names or, being an
         // older Embree, is refused below before any function is called that changed since.
         let api = unsafe { Api::load(handle) }
-            .map_err(|name| Error::Limit(format!("Embree: {file} has no {name}, so it is not Embree 4; {CURE}")))?;
+            .map_err(|name| Unavailable::Unfit(format!("{file} has no {name}, so it is not Embree 4; {CURE}")))?;
         let config = c"verbose=0";
         // SAFETY: a terminated string; the function is the same in all versions.
         let device = unsafe { (api.new_device)(config.as_ptr()) };
         if device.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (api.device_error)(std::ptr::null_mut()) };
-            return Err(Error::Limit(format!("Embree: {file} makes no device: {}", error_name(code))));
+            return Err(Unavailable::Failed(format!("{file} makes no device: {}", error_name(code))));
         }
         // SAFETY: a device that was just made; unknown properties are answered by 0.
         let property = |which| unsafe { (api.device_property)(device, which) };
@@ -102,14 +104,31 @@ impl Library {
         };
         // SAFETY: released once, not used again.
         unsafe { (api.release_device)(device) };
-        let [major, minor, patch] = version;
-        if major != 4 {
-            return Err(Error::Limit(format!("Embree: {file} is version {major}.{minor}.{patch}, not 4; {CURE}")));
+        if version[0] != 4 {
+            return Err(Unavailable::Version { library: file.to_string(), found: version, needed: 4, cure: CURE });
         }
         if culling {
-            return Err(Error::Limit(format!("Embree: {file} was built to cull back faces; {CURE}")));
+            return Err(Unavailable::Unfit(format!("{file} was built to cull back faces; {CURE}")));
         }
         Ok(Self { api, file: found.file.clone(), because: found.because, version, tasking, native16, masks })
+    }
+
+    /// Its description for reports.
+    #[must_use]
+    pub fn installed(&self) -> Installed {
+        let [major, minor, patch] = self.version;
+        let isa = match self.native16 {
+            true => "AVX-512",
+            false if has_avx2() => "AVX2",
+            false => "narrower than AVX2",
+        };
+        Installed {
+            version: format!("{major}.{minor}.{patch}"),
+            isa,
+            tasking: self.tasking,
+            file: self.file.display().to_string(),
+            found_by: self.because,
+        }
     }
 }
 
@@ -137,8 +156,13 @@ impl Device {
     /// A device with `threads` build threads (0: one a processor).
     ///
     /// # Errors
-    /// [`Error::Limit`] where Embree makes none, because the CPU lacks the instructions asked for above all.
-    pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
+    /// [`Unavailable::Failed`] where Embree makes none, because the CPU lacks the instructions asked for above all.
+    pub fn open(
+        library: &'static Library,
+        threads: usize,
+        frequency: Frequency,
+        isa: Isa,
+    ) -> Result<Arc<Self>, Unavailable> {
         let mut config = format!("verbose=0,threads={threads}");
         let narrow = matches!(isa, Isa::Sse42 | Isa::Avx);
         if frequency == Frequency::Widest && !narrow && has_avx2() {
@@ -155,11 +179,8 @@ impl Device {
         if raw.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (library.api.device_error)(std::ptr::null_mut()) };
-            return Err(Error::Limit(format!(
-                "Embree: no device for {}: {}",
-                config.to_string_lossy(),
-                error_name(code)
-            )));
+            let (config, why) = (config.to_string_lossy(), error_name(code));
+            return Err(Unavailable::Failed(format!("no device for {config}: {why}")));
         }
         // SAFETY: the log outlives the device, and both callbacks take it for what it is.
         unsafe {
@@ -199,9 +220,9 @@ impl Device {
     }
 
     /// Fails with what Embree has reported since the last call.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self) -> Result<(), Unavailable> {
         match self.log.error.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(message) => Err(Error::Limit(format!("Embree: {message}"))),
+            Some(message) => Err(Unavailable::Failed(message)),
             None => Ok(()),
         }
     }
@@ -211,7 +232,7 @@ impl Device {
     ///
     /// # Errors
     /// As [`SceneBuilder::commit`].
-    pub fn bytes_written_past(self: &Arc<Self>, ends: [usize; 3]) -> Result<[usize; 3]> {
+    pub fn bytes_written_past(self: &Arc<Self>, ends: [usize; 3]) -> Result<[usize; 3], Unavailable> {
         const ROOM: usize = 16 * 1024;
         const UNTOUCHED: u8 = 0xA5;
         #[repr(C, align(64))]
@@ -258,7 +279,8 @@ impl Device {
             let written = std::hint::black_box(&buffer.0);
             let hit = (0..n).all(|lane| written[4 * (18 * n + lane)..][..4] == [0; 4]);
             if !hit {
-                return Err(Error::Limit(format!("Embree: {} misses a test triangle", self.library.file.display())));
+                let file = self.library.file.display();
+                return Err(Unavailable::Unfit(format!("{file} misses a test triangle; {CURE}")));
             }
             past[k] = written[ends[k]..].iter().filter(|&&b| b != UNTOUCHED).count();
         }
