@@ -1,11 +1,11 @@
 //! Vitrum: a SIMD packet ray tracer for people who care how light bends, how right their picture is, and what that
 //! rightness costs.
 //!
-//! A [`scene::Scene`] is plain data. An [`accel::Intersector`] is built from its shapes and knows nothing of its
-//! materials; [`render::render`] knows nothing of how rays are intersected.
+//! A [`scene::Scene`] is plain data. An [`accel::Accel`] is built from its shapes, by a back end of choice, and does not
+//! depend on its materials; [`render::render`] takes any [`accel::Intersector`].
 //!
 //! ```
-//! use vitrum::accel::{Unbounded, native::Native};
+//! use vitrum::accel::{Accel, Backend, BuildOptions};
 //! use vitrum::geometry::{Geometry, GeometryMask, Shape, Sphere};
 //! use vitrum::render::{Observer, Options, render};
 //! use vitrum::scene::{
@@ -32,13 +32,14 @@
 //!     ..Scene::default()
 //! };
 //!
-//! let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+//! let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
 //! let outcome = render(&scene, &accel, &Options::default(), &Observer::default())?;
 //! assert!(outcome.film.pixels.iter().all(|p| (p[0] - 1.0).abs() < 1e-5));
 //! # Ok::<(), vitrum::Error>(())
 //! ```
 
 pub mod accel;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod effects;
 pub mod error;

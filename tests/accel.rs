@@ -1,6 +1,6 @@
 //! The native accelerator keeps the promise of every accelerator, and more: the bits of testing everything.
 
-mod support;
+use crate::support;
 
 use glam::Vec3;
 use support::contract::{self, bits};

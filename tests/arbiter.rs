@@ -1,6 +1,6 @@
 //! The arbiter keeps the promise of every accelerator, never finds the native one wrong, and pictures the same scene.
 
-mod support;
+use crate::support;
 
 use glam::Vec3;
 use support::{Rng, backends, contract, scenes, shapes};

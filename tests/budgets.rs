@@ -1,10 +1,9 @@
 //! `vitrum render --max-error` keeps its word: other pixels than it looked at, judged apart from it.
 //!
-//! A plain run looks at two small scenes. `VITRUM_BUDGETS=1 cargo test --test budgets -- --nocapture` looks at 2,000
+//! A plain run looks at two small scenes. `VITRUM_BUDGETS=1 cargo test --test command budgets:: -- --nocapture` looks at 2,000
 //! pixels of each of ten scenes.
 
-#[path = "support/mod.rs"]
-mod support;
+use crate::support;
 
 use std::path::{Path, PathBuf};
 

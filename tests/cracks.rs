@@ -1,9 +1,9 @@
 //! The arbiter makes no false accusation: not of the native path at any boundary, and of broken kernels none that
 //! rational arithmetic does not confirm.
 //!
-//! `VITRUM_TEST_SCALE=1000 cargo test --release --test cracks` aims ten million rays at each kind of boundary.
+//! `VITRUM_TEST_SCALE=1000 cargo test --release --test suite cracks::` aims ten million rays at each kind of boundary.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Promise: white light divides where a medium disperses it, each wavelength goes where Snell sends it, and together
 //! they are as white as before. Answers by hand first, for both renderers; then one renderer against the other.
 
-mod support;
+use crate::support;
 
 use glam::{DVec2, DVec3, Vec3};
 use support::scenes::{add, bare, cuboid_mesh, empty, glass, material, native, plane, sphere};

@@ -1,7 +1,7 @@
 //! Places far from the world's origin, and models of any size, look as they do near it and at size 1: all that counts is the
 //! digits that a file gives.
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,6 +1,6 @@
 //! The tables of formulas: they show again what was measured elsewhere, or say why not.
 
-mod support;
+use crate::support;
 
 use glam::Vec3;
 use support::{Rng, shapes};

@@ -1,7 +1,7 @@
 //! Limits that the system sets: memory, stacks, sizes of files. Whatever the limit, the program ends with a picture, or with
 //! one line that says what was too large and the exit code of a limit; never by a signal, and never with half a file.
 //!
-//! `VITRUM_TEST_SCALE=100 cargo test --test limits` makes a thousand runs under limits on memory instead of ten.
+//! `VITRUM_TEST_SCALE=100 cargo test --test command limits::` makes a thousand runs under limits on memory instead of ten.
 
 #![cfg(target_os = "linux")]
 

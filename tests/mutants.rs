@@ -64,18 +64,22 @@ fn every_change_of_the_list_fits_exactly_one_place() {
 
 #[test]
 fn every_test_file_that_the_list_looks_at_exists() {
+    let tests = root().join("tests");
     for mutant in mutants() {
         for attempt in mutant.tests.split('|').map(str::trim) {
-            let mut words = attempt.split(' ');
-            match words.next() {
-                Some("--lib") => {}
-                Some("--test") => {
-                    let name = words.next().unwrap_or_default();
-                    let tests = root().join("tests");
-                    let there = tests.join(format!("{name}.rs")).exists() || tests.join(name).join("main.rs").exists();
-                    assert!(there, "{}: no test {name}", mutant.name);
+            let words: Vec<&str> = attempt.split(' ').collect();
+            match words.as_slice() {
+                ["--lib", ..] => {}
+                ["--test", binary, "--", modules @ ..] if !modules.is_empty() => {
+                    let declared = fs::read_to_string(tests.join(binary).with_extension("rs")).unwrap();
+                    for module in modules {
+                        let (first, rest) = module.split_once("::").expect("a module of the binary, then ::");
+                        assert!(declared.contains(&format!("\nmod {first};\n")), "{}: no {module}", mutant.name);
+                        let file = tests.join(first).join(rest).with_extension("rs");
+                        assert!(rest.is_empty() || file.exists(), "{}: no {}", mutant.name, file.display());
+                    }
                 }
-                _ => panic!("{}: `{attempt}` is neither --lib nor --test NAME", mutant.name),
+                _ => panic!("{}: `{attempt}` is neither --lib nor --test BINARY -- MODULE::", mutant.name),
             }
         }
     }

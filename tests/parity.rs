@@ -1,7 +1,7 @@
 //! Native against the arbiter, ray by ray: on every built-in shape, and on real models where VITRUM_MESHES names their
 //! folder. Whatever differs is shown to be undecidable; nothing is wrong.
 
-mod support;
+use crate::support;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use glam::{DVec3, Vec3};
 use support::backends;
 use vitrum::accel::reference::{Cause, Fault, Reference, Verdict};
-use vitrum::accel::{Backend, Coherence};
+use vitrum::accel::{Backend, Coherence, Intersector};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, TriMesh};
 use vitrum::load::{self, shapes};
 use vitrum::trial::View;

@@ -1,6 +1,6 @@
 //! The rays of one pixel, written down: they are the picture's, to the bit, and what is said of them is so.
 
-mod support;
+use crate::support;
 
 use std::process::Command;
 

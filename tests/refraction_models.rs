@@ -1,7 +1,6 @@
 //! The choice of a refraction formula reaches both renderers, and both make the same picture of it.
 
-#[path = "support/mod.rs"]
-mod support;
+use crate::support;
 
 use glam::Vec3;
 use support::scenes::{empty, glass, native, sphere};

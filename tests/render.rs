@@ -1,6 +1,6 @@
 //! The picture is right where the answer is known by hand, and the same however the work was divided.
 
-mod support;
+use crate::support;
 
 use glam::Vec3;
 use support::scenes::{self, add, bare, cuboid, empty, glass, material, native, plane, sphere};

@@ -1,7 +1,7 @@
 //! The scenes of the project are what they say: they load without a warning, render without a number gone wrong, and
 //! the sizes of the sweep are those of their names.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,7 @@
 //! Soft shadows in the eight-wide renderer: against the one in `f64`, against a shadow ray for every point of a lamp, and
 //! the same to the bit however the work is divided.
 
-#[path = "support/mod.rs"]
-mod support;
+use crate::support;
 
 use glam::{DVec3, Vec3};
 use support::scenes::{add, bare, cuboid, empty, glass, material, native, plane, sphere};

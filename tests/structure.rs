@@ -1,5 +1,8 @@
 //! The house keeps its shape: rooms import only from the rooms below them.
 
+mod catalogue;
+mod mutants;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -91,6 +94,40 @@ fn the_list_of_arrows_has_no_cycle() {
     for (i, (room, below)) in ARROWS.iter().enumerate() {
         for name in *below {
             assert!(ARROWS[..i].iter().any(|(earlier, _)| earlier == name), "{room} may import {name}, listed later");
+        }
+    }
+}
+
+/// Cargo builds only the binaries that `Cargo.toml` names, so a file that no module list names would never run.
+#[test]
+fn every_test_file_belongs_to_a_binary() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let read = |file: &Path| std::fs::read_to_string(file).unwrap_or_default();
+    let manifest = read(&tests.with_file_name("Cargo.toml"));
+    let mut declared = String::new();
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(&tests).expect("tests can be read") {
+        let path = entry.expect("tests can be listed").path();
+        let root = format!("path = \"tests/{}\"", path.file_name().expect("a name").to_string_lossy());
+        if manifest.contains(&root) {
+            declared += &read(&path);
+        } else if path.extension().is_some_and(|e| e == "rs") || path.join("mod.rs").exists() {
+            files.push(path);
+        }
+    }
+    assert!(files.len() > 30, "found {} only", files.len());
+    for path in files {
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        assert!(
+            declared.lines().any(|l| l == format!("mod {name};")),
+            "no binary has tests/{name}: see tests/README.md"
+        );
+        let Ok(folder) = std::fs::read_dir(&path) else { continue };
+        let list = read(&path.join("mod.rs"));
+        for inner in folder.map(|entry| entry.expect("tests can be listed").path()) {
+            let inner = inner.file_stem().expect("a name").to_string_lossy().into_owned();
+            let there = list.lines().any(|l| l.trim_start_matches("pub ") == format!("mod {inner};"));
+            assert!(inner == "mod" || there, "tests/{name}/mod.rs does not declare {inner}");
         }
     }
 }

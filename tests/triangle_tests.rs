@@ -1,6 +1,6 @@
 //! Every ray/triangle test against answers by hand, its own lanes, and `f64`.
 
-mod support;
+use crate::support;
 
 use glam::Vec3;
 use support::Rng;

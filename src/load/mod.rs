@@ -26,9 +26,10 @@ pub use report::{Hull, LoadReport, Model, Warning};
 pub use texture::picture;
 pub use transform::Transform;
 
-pub(crate) use brief::plain_numbers;
+#[cfg(feature = "cli")]
+pub(crate) use {brief::plain_numbers, suggest::hint};
+
 use std::path::{Path, PathBuf};
-pub(crate) use suggest::hint;
 
 use crate::image::MOST_PIXELS;
 use crate::scene::Scene;

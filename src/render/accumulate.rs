@@ -1,7 +1,7 @@
-//! Summing a pixel's contributions so that their order does not matter.
+//! Fixed-point sums of each pixel's contributions, which do not depend on the order of addition.
 //!
-//! Floating-point sums depend on their order, and the order in which rays reach a pixel depends on how they were
-//! grouped. Fixed-point sums do not: each contribution is rounded once, towards zero, to a multiple of 2^-64.
+//! A floating-point sum depends on its order, and rays reach a pixel in an order that depends on their grouping. A
+//! fixed-point sum does not: each contribution is rounded once, towards zero, to a multiple of 2^-64.
 
 use super::limit::Limit;
 use super::queue::Rgb8;
@@ -10,73 +10,74 @@ use crate::math::Real;
 /// Binary digits after the point.
 const FRACTION_BITS: i32 = 64;
 
-/// Contributions at or beyond this magnitude are clamped (and counted): 2^62, so that 2^62 of them still fit.
+/// Magnitude, 2^62, at which contributions are clamped and counted. 2^62 clamped contributions still fit the sum.
 const LIMIT: f32 = 4.611_686e18;
 
-/// The sums of one pixel.
+/// Sums of one pixel, in units of 2^-64.
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelSum {
     radiance: [i128; 3],
-    /// Weight that the cut-off ended.
+    /// Weight of rays ended by the cut-off.
     cut: [i128; 3],
 }
 
-/// The mean of a pixel's camera rays.
+/// Mean over a pixel's camera rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelMean {
     /// Radiance per channel.
     pub radiance: [f32; 3],
     /// Weight of rays that ended at a limit, per channel.
     pub truncated: [f32; 3],
-    /// The limit that ended most of it.
+    /// Limit that ended most of the truncated weight.
     pub limit: Option<Limit>,
 }
 
-/// The sums of a tile's pixels.
+/// Sums of all pixels of a tile.
 #[derive(Debug, Default)]
 pub struct Accumulator {
     pixels: Vec<PixelSum>,
-    /// Weight by the limits after [`Limit::Cutoff`], apart because most tiles have none: empty until there is some.
+    /// Weight ended by each limit after [`Limit::Cutoff`]. Kept apart, and empty until needed, because most tiles have
+    /// none.
     ended: Vec<[[i128; 3]; Limit::ALL.len() - 1]>,
-    /// Contributions left out because a channel was NaN or infinite.
+    /// Number of contributions left out because a channel was NaN or infinite.
     pub non_finite: u64,
-    /// Contributions clamped to [`LIMIT`].
+    /// Number of contributions clamped to [`LIMIT`].
     pub clamped: u64,
-    /// Bits of the lanes in which light from a lamp was added, of all packets together; 0 where none was.
+    /// Union of the lanes, over all packets, in which light from a lamp was added. 0 if no lamp lit the tile.
     pub lit: u8,
 }
 
 impl Accumulator {
-    /// Clears the sums of `n` pixels.
+    /// Resets the sums to `n` pixels of zero.
     pub fn reset(&mut self, n: usize) {
         self.pixels.clear();
         self.pixels.resize(n, PixelSum::default());
         self.ended.clear();
     }
 
-    /// Adds radiance to the pixels of the lanes in `lanes`.
+    /// Adds `radiance` to the pixels of the lanes in `lanes`.
     pub fn add_radiance8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
         self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
     }
 
-    /// Adds what a surface sends of the light of a lamp, as [`Self::add_radiance8`] does.
+    /// Adds light that a surface reflects from a lamp, and records in [`Self::lit`] that a lamp contributed.
     pub fn add_light8(&mut self, lanes: u8, pixel: &[u32; 8], radiance: &Rgb8) {
         self.lit |= self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
     }
 
-    /// Adds the light of many packets, as [`Self::add_light8`] does of one.
+    /// Adds the lamp light of many packets, as [`Self::add_light8`] does for one.
     pub fn add_light<'a>(&mut self, packets: impl Iterator<Item = (u8, &'a [u32; 8], &'a Rgb8)>) {
         for (lanes, pixel, radiance) in packets {
             self.lit |= self.add8(lanes, pixel, radiance, |sums, i| &mut sums.pixels[i].radiance);
         }
     }
 
-    /// Adds the weight of rays that the cut-off ended to the pixels of the lanes in `lanes`.
+    /// Adds `weight`, of rays ended by the cut-off, to the pixels of the lanes in `lanes`.
     pub fn add_cut8(&mut self, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
         self.add8(lanes, pixel, weight, |sums, i| &mut sums.pixels[i].cut);
     }
 
-    /// Adds the weight of rays that `limit` ended to the pixels of the lanes in `lanes`.
+    /// Adds `weight`, of rays ended by `limit`, to the pixels of the lanes in `lanes`.
     #[cold]
     pub fn add_ended8(&mut self, limit: Limit, lanes: u8, pixel: &[u32; 8], weight: &Rgb8) {
         if lanes == 0 {
@@ -87,8 +88,8 @@ impl Accumulator {
         self.add8(lanes, pixel, weight, |sums, i| &mut sums.ended[i][place]);
     }
 
-    /// Returns the lanes whose value is not zero.
-    // In line in those above, and these nowhere: a loop over packets is then not one over calls.
+    /// Adds `value` to the sums chosen by `place`. Returns the lanes whose value is not zero.
+    // Inlined into the functions above, which are not inlined themselves, so that a loop over packets makes no calls.
     #[inline(always)]
     fn add8(
         &mut self,
@@ -97,7 +98,7 @@ impl Accumulator {
         value: &Rgb8,
         place: impl Fn(&mut Self, usize) -> &mut [i128; 3],
     ) -> u8 {
-        // Zero adds nothing, and much of what comes here is zero; NaN is not zero.
+        // Zero adds nothing, and many contributions are zero. NaN compares unequal to zero and is counted below.
         let zero = (value.x.eq(Real::zero()) & value.y.eq(Real::zero()) & value.z.eq(Real::zero())).bits();
         let adding = lanes & !zero;
         for lane in set_lanes(adding) {
@@ -117,7 +118,7 @@ impl Accumulator {
         adding
     }
 
-    /// The sums of pixel `i`: radiance and truncated weight, in units of 2^-64.
+    /// Returns the radiance and the truncated weight of pixel `i`, in units of 2^-64.
     #[must_use]
     pub fn sums(&self, i: usize) -> ([i128; 3], [i128; 3]) {
         let mut truncated = self.pixels[i].cut;
@@ -127,7 +128,7 @@ impl Accumulator {
         (self.pixels[i].radiance, truncated)
     }
 
-    /// The sums of pixel `i` divided by `samples`.
+    /// Returns the sums of pixel `i` divided by `samples`.
     #[must_use]
     pub fn mean(&self, i: usize, samples: u32) -> PixelMean {
         let scale = 2.0_f64.powi(-FRACTION_BITS) / f64::from(samples);
@@ -140,7 +141,7 @@ impl Accumulator {
     }
 }
 
-/// The numbers of the lanes whose bit is set, lowest first.
+/// Iterates over the indices of the set bits, lowest first.
 #[inline(always)]
 pub fn set_lanes(mut bits: u8) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -152,7 +153,7 @@ pub fn set_lanes(mut bits: u8) -> impl Iterator<Item = usize> {
     })
 }
 
-/// `x * 2^64` towards zero, for finite `|x| <= 2^62`.
+/// Returns `x * 2^64`, rounded towards zero, for finite `|x| <= 2^62`.
 #[inline]
 fn to_fixed(x: f32) -> i128 {
     let bits = x.to_bits();

@@ -1,4 +1,4 @@
-//! The base of a surface: what it emits, its ambient share, and what it makes of light.
+//! Base stage: emission, ambient light, and the albedo and highlight that the light stages use.
 
 use glam::Vec3;
 
@@ -9,34 +9,34 @@ use super::surface::Surface8;
 use crate::scene::{Colour, HighlightModel, Material, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// Eight bases, gathered from their materials.
+/// Base reflection parameters of eight surfaces, gathered from their materials.
 #[derive(Clone, Copy, Debug)]
 pub struct Base8 {
     /// Lambert albedo.
     pub diffuse: Rgb8,
     /// Colour of the highlight.
     pub highlight: Rgb8,
-    /// Its exponent.
+    /// Exponent of the highlight.
     pub exponent: F32x8,
-    /// Lanes whose highlight is Blinn's rather than Phong's.
+    /// Lanes with a Blinn-Phong highlight; the others use Phong's.
     pub blinn: Mask8,
     /// Lanes that have a highlight.
     pub shiny: Mask8,
-    /// Whether any lane answers to light.
+    /// True if any lane reflects light from lamps.
     pub lit: bool,
 }
 
-/// Gathers the bases of a stream of surfaces, and adds to their pixels what needs no light.
+/// Function that gathers the bases of a stream of surfaces, and adds emission and ambient light to their pixels.
 pub type BaseStage = fn(&mut Shading, &[Surface8], &mut Vec<Base8>);
 
-/// Whether a material sends anything but secondary rays.
+/// Returns true if a material reflects lamp or ambient light, or emits.
 #[must_use]
 pub fn has_base(material: &Material) -> bool {
     material.answers_light() || material.emission != Vec3::ZERO || material.ambient != Vec3::ZERO
 }
 
-/// The stage for materials some of which are `textured`, have highlights (`shiny`), or send light of their own
-/// (`glowing`).
+/// Picks the base stage by the properties that occur among the materials: textures (`textured`), highlights (`shiny`),
+/// and emission or ambient light (`glowing`).
 #[must_use]
 pub fn pick(textured: bool, shiny: bool, glowing: bool) -> BaseStage {
     match (textured, shiny, glowing) {

@@ -1,34 +1,37 @@
-//! How much a ray may still lose: what keeps the sum of all that is cut below a bound.
+//! Error budgets, which bound the sum of everything a proven cut-off removes from a pixel.
 //!
-//! Cutting each ray that is small enough proves nothing, since many small ones are cut from a pixel. So every ray has a
-//! budget, the share of the allowed error that all that is cut of it, and of what follows from it, may come to; a camera
-//! ray has the whole. A ray's *toll* is its weight times the bound on its radiance ([`super::ceiling`]) over the allowed
-//! error: cutting it uses up no more than that. Where a surface sends rays, those are cut whose tolls the budget pays in
-//! full; the rest of the budget is divided among those that go on. So what is cut of a ray and all its descendants never
-//! exceeds its budget: by induction over depth, a sum of parts of a whole is at most the whole. A pixel is the mean of
-//! its camera rays, so no channel of it is off by more than the allowed error.
+//! Cutting each small ray proves nothing, since many small rays may be cut from one pixel. So every ray carries a
+//! budget: the share of the allowed error that may be cut from it and all its descendants. A camera ray starts with the
+//! whole budget.
 //!
-//! Budgets and tolls are kept per channel, so that rays in different channels do not compete. Who goes on shares by
-//! the root of the tolls: an even division starves the heavy ray, which has most still to divide, and one in
-//! proportion to the tolls would never let any ray be cut, since its budget would shrink just as its weight does.
+//! A ray's *toll* is its weight times the bound on its radiance ([`super::ceiling`]), divided by the allowed error.
+//! Cutting the ray uses up at most its toll. At each surface the secondary rays whose tolls the budget can pay in full
+//! are cut. The rest of the budget is divided among the rays that continue. By induction over depth, what is cut from a
+//! ray and its descendants never exceeds its budget. A pixel is the mean of its camera rays, so no channel is off by
+//! more than the allowed error.
+//!
+//! Budgets and tolls are kept per channel, so that rays in different channels do not compete. Continuing rays share the
+//! budget in proportion to the square roots of their tolls. An even division would starve the heavy ray, which has most
+//! left to divide. A division in proportion to the tolls would never cut any ray, since each budget would shrink as
+//! fast as the weight.
 
 use crate::math::{Real, Vector3};
 
-/// The budget of a camera ray. What is missing to 1 pays for the rounding of weights, tolls and budgets along a path of
-/// 4096 surfaces with eight roundings at each (`gamma(32768)` is 0.00196 in `f32`).
+/// Budget of a camera ray. The difference to 1 covers the rounding of weights, tolls and budgets along a path of 4096
+/// surfaces with eight roundings at each (`gamma(32768)` is 0.00196 in `f32`).
 pub const WHOLE: f64 = 1.0 - 1.0 / 256.0;
 
-/// What becomes of two rays that one surface sends.
+/// Result of dividing a budget between two secondary rays of one surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Division<R: Real> {
-    /// Which of them are cut.
+    /// Lanes in which the first and the second ray are cut.
     pub cut: [R::Mask; 2],
-    /// The budgets of those that are not.
+    /// Budgets of the first and the second ray where they continue.
     pub budget: [Vector3<R>; 2],
 }
 
-/// Divides the budget of a ray between the two that follow from it, by their tolls; the toll of a ray that is not there
-/// is 0. What is NaN is not cut.
+/// Divides a ray's budget between its two secondary rays by their tolls. A missing ray has toll 0. A NaN toll is never
+/// cut.
 #[inline(always)]
 pub fn divide<R: Real>(budget: Vector3<R>, tolls: [Vector3<R>; 2]) -> Division<R> {
     let [first, second] = tolls;
@@ -49,7 +52,7 @@ pub fn divide<R: Real>(budget: Vector3<R>, tolls: [Vector3<R>; 2]) -> Division<R
     }
 }
 
-/// Where a budget pays a toll in every channel.
+/// Returns the lanes in which `budget` covers `toll` in every channel.
 #[inline(always)]
 pub fn pays<R: Real>(budget: Vector3<R>, toll: Vector3<R>) -> R::Mask {
     toll.x.le(budget.x) & toll.y.le(budget.y) & toll.z.le(budget.z)
@@ -105,10 +108,10 @@ mod tests {
         assert_eq!((division.cut, division.budget[0]), ([false, true], grey(0.5)));
         let division = divide(grey(1.0), [grey(4.0), grey(36.0)]);
         assert_eq!((division.cut, division.budget), ([false, false], [grey(0.25), grey(0.75)]));
-        // One ray alone keeps all.
+        // One ray alone keeps the whole budget.
         let division = divide(grey(1.0), [grey(4.0), grey(0.0)]);
         assert_eq!((division.cut[0], division.budget[0]), (false, grey(1.0)));
-        // Every channel must fit.
+        // The toll must fit in every channel.
         let division = divide(grey(1.0), [Vector3::new(0.1, 0.1, 2.0), grey(0.0)]);
         assert!(!division.cut[0]);
     }

@@ -6,16 +6,16 @@ use crate::math::Real;
 use crate::scene::{Camera, Projection};
 use crate::simd::{F32x8, Vec3x8};
 
-/// A camera made ready: a film position becomes a ray by two products.
+/// Precomputed camera frame, which turns a film position into a ray by two multiplications.
 ///
-/// The frame is computed in `f64` and rounded once, so that the same scene gives the same rays on every machine.
+/// The frame is computed in `f64` and rounded once, so that a scene gives the same rays on every machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Lens {
     eye: Vec3,
     forward: Vec3,
-    /// Per film unit (a half picture height), to the right.
+    /// Vector to the right, per film unit (half the picture height).
     right: Vec3,
-    /// Per film unit, up.
+    /// Vector up, per film unit.
     up: Vec3,
     pinhole: bool,
     /// Film units per pixel.
@@ -25,7 +25,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// The lens of `camera` for a picture of `width` by `height` pixels.
+    /// Returns the lens of `camera` for a picture of `width` by `height` pixels.
     #[must_use]
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
         let forward = (camera.target.as_dvec3() - camera.eye.as_dvec3()).normalize();
@@ -48,8 +48,8 @@ impl Lens {
         }
     }
 
-    /// Origins and unit directions through film positions in pixels: `x` from the left edge, `y` from the top one,
-    /// so that the first pixel's centre is (0.5, 0.5).
+    /// Returns origins and unit directions of the rays through film positions in pixels. `x` counts from the left edge
+    /// and `y` from the top, so the first pixel's centre is (0.5, 0.5).
     #[inline]
     #[must_use]
     pub fn rays8(&self, x: F32x8, y: F32x8) -> (Vec3x8, Vec3x8) {
@@ -62,7 +62,7 @@ impl Lens {
     }
 }
 
-/// Film offset of sample `i` of `n` along one axis, in pixels: the middle of its cell.
+/// Returns the film offset, in pixels, of sample `i` of `n` along one axis: the middle of its cell.
 #[must_use]
 pub fn sample_offset(i: u32, n: u32) -> F32x8 {
     F32x8::splat((f64::from(i) + 0.5) / f64::from(n))

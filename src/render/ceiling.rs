@@ -1,14 +1,14 @@
-//! How bright anything in a scene can be: what proves that a cut ray was worth less than it may be.
+//! Upper bounds on the radiance a ray can bring, used to prove how little a cut ray was worth.
 //!
-//! Let `U(d)` bound, per channel, what a ray of depth `d` and weight 1 can add to its pixel. It either meets nothing and
-//! sees the environment, or meets a surface with base `B`, whose secondary rays have shares that sum to at most `g` and
-//! a depth of `d + 1`. No absorption is above 1, and a surface that is not there changes nothing. So
-//! `U(d) = max(E, max over surfaces (B + g U(d + 1)))`, where `E` bounds the environment, the base share of a coat or a
-//! hole takes its part from `g`, and past the depth limit only a mirror that looks up the environment finds anything:
-//! `U(limit + 1) = E`. What is bounded is the picture with this depth limit.
+//! Let `U(d)` bound, per channel, what a ray of depth `d` and weight 1 can add to its pixel. The ray either misses and
+//! sees the environment, or hits a surface with base `B`. The secondary rays of that surface have shares that sum to at
+//! most `g`, and depth `d + 1`. Transmittance is at most 1, and a passed surface changes nothing. So `U(d) = max(E, max
+//! over surfaces (B + g U(d + 1)))`, where `E` bounds the environment and `g` excludes the base share of a coat or
+//! cover. Past the depth limit only a mirror that looks up the environment finds light: `U(limit + 1) = E`. The bound
+//! holds for the picture with this depth limit.
 //!
-//! A base is bounded by emission, ambient, and for each light the largest albedo and highlight times what arrives
-//! at the nearest point of the surface, cosines and lobes taken as 1, shadows as none.
+//! A base is bounded by emission, ambient light, and for each light the largest albedo and highlight times the light
+//! that arrives at the nearest point of the surface. Cosines and lobes are taken as 1, and shadows as none.
 
 use glam::{DVec3, Vec3};
 
@@ -19,21 +19,21 @@ use crate::scene::{Colour, Environment, Falloff, FresnelRule, Interface, Light, 
 use crate::scene::{Object, Rgb, Scene};
 use crate::{Error, Result};
 
-/// What rounding in `f32` may add to a base, in proportion: cosines and lobes a few roundings above 1.
+/// Relative margin for rounding in `f32`, where cosines and lobes may exceed 1 by a few roundings.
 const ROUNDED_UP: f64 = 1.0 + 1e-5;
 
-/// Upper bounds on what a ray of weight 1 adds to its pixel, by its depth.
+/// Upper bounds, by depth, on what a ray of weight 1 adds to its pixel.
 #[derive(Clone, Debug)]
 pub struct Ceiling {
     by_depth: Vec<DVec3>,
 }
 
 impl Ceiling {
-    /// The bounds of a scene at its depth limit.
+    /// Computes the bounds of a scene at its depth limit.
     ///
     /// # Errors
-    /// [`Error::Usage`], where there is none: a light that weakens with the square of the distance touches a surface
-    /// that answers to it, or numbers grow beyond all bounds.
+    /// Returns [`Error::Usage`] if no bound exists: a light with inverse-square falloff touches a surface that reflects
+    /// it, or the bound overflows.
     pub fn of(scene: &Scene) -> Result<Self> {
         let ceiling = Self::with(scene, |number, object, material| of_base(scene, number, object, material))?;
         if ceiling.by_depth.iter().any(|most| !most.is_finite()) {
@@ -42,8 +42,8 @@ impl Ceiling {
         Ok(ceiling)
     }
 
-    /// The bounds of a scene as far as it has any. `brightest` stands for the light of lamps on surfaces that they touch, and
-    /// for all light that adds up beyond all bounds.
+    /// Computes the bounds of a scene where they exist. `brightest` replaces the lamp light on surfaces that a lamp
+    /// touches, and every bound that overflows.
     #[must_use]
     pub fn estimate(scene: &Scene, brightest: DVec3) -> Self {
         let base = |number: usize, object: &Object, material: &Material| {
@@ -72,46 +72,46 @@ impl Ceiling {
         Ok(Self { by_depth })
     }
 
-    /// [`Ceiling::tolls`] where options ask for a proven cut-off, and whether what they ask for can be had.
+    /// Returns [`Ceiling::tolls`] if the options ask for a proven cut-off, and checks that dispersion does not rule out
+    /// the options.
     ///
     /// # Errors
-    /// As [`Ceiling::of`], and where media disperse light. Wavelengths have channels below 0, so that those a white ray
-    /// divides into, and what of it is reflected, together weigh more than it does, by a factor at each surface: no bound
-    /// that is worth having is left after a few. And what is reflected stays one white ray, of which each wavelength has
-    /// a polarisation of its own.
+    /// Fails as [`Ceiling::of`] does, and where media disperse light:
+    /// - Wavelengths have channels below 0. The wavelengths that a white ray divides into, and its reflected part,
+    ///   together weigh more than the ray, by a factor at each surface. After a few surfaces no useful bound is left.
+    /// - The reflected part stays one white ray, although each of its wavelengths has its own polarisation.
     pub fn asked(scene: &Scene, options: &Options) -> Result<Option<Self>> {
         let (flag, reason) = match options {
             Options { cutoff_error: Some(_), .. } => (
                 "--cutoff-error",
-                "wavelengths weigh less than nothing in some channels, and together more than the ray they come from",
+                "single wavelengths have negative channels, and together weigh more than the white ray they split from",
             ),
             Options { fresnel: FresnelModel::Polarised, .. } => (
                 "--fresnel polarised",
-                "what a surface reflects stays one white ray, though each wavelength is polarised otherwise",
+                "reflected light stays one white ray, although each of its wavelengths is polarised differently",
             ),
             _ => return Ok(None),
         };
         if let Some(medium) = scene.media.iter().find(|m| m.disperses()) {
             return Err(Error::Usage(format!(
-                "{flag} is not for scenes whose media disperse light, as `{}` does: {reason}; take --no-dispersion \
-                 besides, or leave the option out",
+                "{flag} does not work in scenes whose media disperse light, as `{}` does: {reason}; add --no-dispersion \
+                 or leave the option out",
                 medium.name
             )));
         }
         options.cutoff_error.map(|error| Self::tolls(scene, error)).transpose()
     }
 
-    /// What cutting a ray of weight 1 may cost, in units of the error that may be made: the bounds over `error`, which is
-    /// above 0.
+    /// Computes the tolls of rays of weight 1: the bounds divided by `error`, the allowed error, which is above 0.
     ///
     /// # Errors
-    /// As [`Ceiling::of`].
+    /// Fails as [`Ceiling::of`] does.
     pub fn tolls(scene: &Scene, error: f32) -> Result<Self> {
         let ceiling = Self::of(scene)?;
         Ok(Self { by_depth: ceiling.by_depth.into_iter().map(|most| most / f64::from(error)).collect() })
     }
 
-    /// The bound for a ray of this depth, 0 being the camera's, per channel.
+    /// Returns the bound per channel for a ray of this depth; camera rays have depth 0.
     #[must_use]
     pub fn at(&self, depth: usize) -> DVec3 {
         self.by_depth[depth.min(self.by_depth.len() - 1)]
@@ -122,7 +122,7 @@ fn refused(reason: &str) -> Error {
     Error::Usage(format!("--cutoff-error: {reason}; take --cutoff instead"))
 }
 
-/// A surface's base with what its secondary rays can bring, where those of the next depth bring at most `beyond`.
+/// Bounds a surface's base plus its secondary rays, where rays of the next depth bring at most `beyond`.
 fn of_surface(material: &Material, base: DVec3, beyond: DVec3, environment: DVec3) -> DVec3 {
     let divided = |rule: FresnelRule, tint: Rgb| {
         let tint = tint.abs().as_dvec3();
@@ -160,7 +160,7 @@ fn of_environment(scene: &Scene) -> DVec3 {
     }
 }
 
-/// Bilinear mixtures are never above the largest texel.
+/// Returns the largest texel per channel. Bilinear interpolation never exceeds it.
 fn of_texture(scene: &Scene, texture: u32) -> DVec3 {
     scene.textures[texture as usize].pixels.iter().fold(Vec3::ZERO, |most, texel| most.max(texel.abs())).as_dvec3()
 }
@@ -193,13 +193,13 @@ fn of_base(scene: &Scene, number: usize, object: &Object, material: &Material) -
     Ok(most * ROUNDED_UP)
 }
 
-/// The most that a light of intensity 1 that weakens with distance can send to a place on a shape that faces it.
+/// Bounds what a light of intensity 1 with inverse-square falloff sends to any facing point of a shape.
 fn most_share(light: &Light, shape: &Shape, object: &Object) -> Result<f64> {
     let nearest = match light.kind {
         LightKind::Directional { .. } => return Ok(1.0),
         LightKind::Point { position } | LightKind::Spot { position, .. } => nearest(position.as_dvec3(), shape),
         LightKind::Sphere { position, radius } => {
-            // Half of what even radiance over a half sphere comes to; places inside get nothing.
+            // Half of the irradiance of even radiance over a half space. Points inside the lamp get nothing.
             let outside = nearest(position.as_dvec3(), shape).max(f64::from(radius) * (1.0 - 1e-5));
             return Ok(2.0 / (outside * outside));
         }
@@ -216,14 +216,15 @@ fn most_share(light: &Light, shape: &Shape, object: &Object) -> Result<f64> {
         _ => String::new(),
     };
     Err(refused(&format!(
-        "there is no bound on what is cut: `{}` shines with inverse-square falloff and has no least distance to \
-         object `{}`{place}, which it touches to within rounding; move one of them, or give the light falloff = \"none\"",
+        "no bound exists on the cut light: `{}` has inverse-square falloff and touches object `{}`{place} to within \
+         rounding; move one of them, or give the light falloff = \"none\"",
         light.name, object.name
     )))
 }
 
-/// A lower bound on the distance between a parallelogram, by its middle and half its edges, and a shape: that of the
-/// middle less what the corners are off it, by quarters where that is coarse.
+/// Returns a lower bound on the distance between a shape and a parallelogram, given by its middle and half edges. The
+/// bound is the distance of the middle less that of the farthest corner from the middle. Where that is coarse, the
+/// parallelogram is divided into quarters, up to `levels` times.
 fn nearest_to_sheet(middle: DVec3, half: [DVec3; 2], shape: &Shape, levels: u32) -> f64 {
     let [u, v] = half;
     let off = (u + v).length().max((u - v).length());
@@ -235,8 +236,8 @@ fn nearest_to_sheet(middle: DVec3, half: [DVec3; 2], shape: &Shape, levels: u32)
     quarter(-0.5, -0.5).min(quarter(0.5, -0.5)).min(quarter(-0.5, 0.5)).min(quarter(0.5, 0.5))
 }
 
-/// The least distance between a point and any place on a shape that shading may take as a start of a ray to it: rays
-/// start a little off their surfaces. Not above 0 where it cannot be told from 0.
+/// Returns a lower bound on the distance between a point and any ray origin on a shape; rays start slightly off their
+/// surfaces. The result is not above 0 where it cannot be told from 0.
 fn nearest(lamp: DVec3, shape: &Shape) -> f64 {
     match shape {
         Shape::Mesh(mesh) => (0..mesh.triangles.len())
@@ -250,28 +251,28 @@ fn nearest(lamp: DVec3, shape: &Shape) -> f64 {
         Shape::Plane(plane) => {
             let anchor = plane.point.as_dvec3();
             let height = (lamp - anchor).dot(plane.normal.as_dvec3().normalize()).abs();
-            // Farther points lie off by more, but never by more than they are farther.
+            // Farther points are off by more, but never by more than their extra distance.
             height - OFF * (lamp.abs().element_sum() + anchor.abs().element_sum() + 2.0 * height)
         }
     }
 }
 
-/// Largest distance of a start from a sphere or plane, in proportion to its coordinates: `geometry::Spot` has 14 roundings,
-/// and the place itself is off by as many again at worst.
+/// Largest offset of a ray origin from a sphere or plane, relative to its coordinates. `geometry::Spot` has 14
+/// roundings, and the point itself is off by as many again at worst.
 const OFF: f64 = 2e-6;
 
-/// How far off triangle `i` the start of a ray may lie. The bound of `geometry::Spot` is largest at a corner.
+/// Bounds the offset of ray origins on triangle `i`. The bound of `geometry::Spot` is largest at a corner.
 fn most_reach(mesh: &TriMesh, i: usize) -> f64 {
     let corners = mesh.corners(i).map(crate::math::Vector3::<f32>::from);
     [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
         .iter()
         .map(|&(u, v)| Spot::on_triangle(corners, u, v).reach)
-        // A triangle without area lies off by no finite number, and is lit by nothing.
+        // A triangle without area has no finite offset, and receives no light.
         .map(|reach| if reach.is_finite() { 1.001 * f64::from(reach) } else { 0.0 })
         .fold(0.0, f64::max)
 }
 
-/// The distance from `p` to the triangle (Ericson, Real-Time Collision Detection, section 5.1.5).
+/// Returns the distance from `p` to the triangle (Ericson, Real-Time Collision Detection, section 5.1.5).
 fn to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

@@ -1,10 +1,10 @@
-//! Kinds of surface that are shaded by different code, and the bins that hits are sorted into.
+//! Classes of surface interaction, each shaded by its own code, and the bins that hits are sorted into.
 
 use super::base::has_base;
 use crate::effects::Reach;
 use crate::scene::{Interface, Material, MirrorSource, Scene};
 
-/// What a surface does with the ray that arrives.
+/// Interaction of a surface with the arriving ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     Opaque,
@@ -18,7 +18,7 @@ pub enum Class {
 }
 
 impl Class {
-    /// All of them, in the order of their numbers.
+    /// All classes, in the order of their discriminants.
     pub const ALL: [Self; 8] = [
         Self::Opaque,
         Self::Mirror,
@@ -30,7 +30,7 @@ impl Class {
         Self::Alpha,
     ];
 
-    /// The name in reports.
+    /// Returns the name used in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -45,7 +45,7 @@ impl Class {
         }
     }
 
-    /// The kind of a material.
+    /// Returns the class of a material.
     #[must_use]
     pub fn of(material: &Material) -> Self {
         match material.interface {
@@ -61,40 +61,40 @@ impl Class {
     }
 }
 
-/// Bins that the hits of a chunk are sorted into: a class, with a base or without, so that a packet holds one kind and
-/// what it never calls for is never called.
+/// Number of bins that the hits of a chunk are sorted into. A bin is a class, with or without a base. So all lanes of a
+/// packet share one class, and stages that a bin does not need are never called.
 pub const BINS: usize = Class::ALL.len() * 2;
 
-/// The bin of a material.
+/// Returns the bin of a material.
 #[must_use]
 pub fn bin_of(material: &Material) -> usize {
     Class::of(material) as usize * 2 + usize::from(has_base(material))
 }
 
-/// Whether surfaces of a bin have a base.
+/// Returns true if the surfaces of a bin have a base.
 #[must_use]
 pub fn bin_has_base(bin: usize) -> bool {
     bin % 2 == 1
 }
 
-/// The class of a bin.
+/// Returns the class of a bin.
 #[must_use]
 pub fn class_of(bin: usize) -> Class {
     Class::ALL[bin / 2]
 }
 
-/// Objects that are shaded together, eight hits at a time whichever of them was met, by one set of stages.
+/// Objects whose hits share packets, because the same stages shade them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SharedShading {
-    /// What their surfaces do with light.
+    /// Name of their class ([`Class::name`]).
     pub surface: &'static str,
-    /// Whether they send light of their own or of lamps besides.
+    /// True if the surfaces also have a base: emission, ambient light, or reflection of lamps.
     pub base: bool,
-    /// Their numbers in the scene.
+    /// Indices of the objects in the scene.
     pub objects: Vec<usize>,
 }
 
-/// Which objects of a scene are shaded together, of those that rays can meet.
+/// Groups the objects of a scene that rays can hit by the stages that shade them.
 #[must_use]
 pub fn shared_shading(scene: &Scene, reach: &Reach) -> Vec<SharedShading> {
     let bin = |o: usize| bin_of(&scene.materials[scene.objects[o].material as usize]);

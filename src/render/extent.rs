@@ -1,36 +1,36 @@
-//! Lamps with an extent, as a place sees them: which way a point of them lies, how far, and what it sends there.
+//! Area lamps as seen from a point: direction, distance and intensity of points on the lamp.
 
 use std::f64::consts::FRAC_PI_4;
 
 use crate::math::{Real, Vector3};
 
-/// A point of a lamp, or beside it, as a place sees it.
+/// Point of a lamp as seen from a shaded point.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<R> {
-    /// Unit direction to it. NaN at the point itself.
+    /// Unit direction to the lamp point. NaN where both points coincide.
     pub dir: Vector3<R>,
-    /// How far it is.
+    /// Distance to the lamp point.
     pub distance: R,
-    /// What it would send to a facing surface there as a share of the lamp's intensity, were all the lamp's points like
-    /// it; with the weakening by distance where that is physical. Not above 0 where it does not shine there.
+    /// Share of the lamp's intensity that a facing surface would receive if all lamp points were like this one.
+    /// Includes inverse-square falloff where that is physical. Not above 0 where the lamp does not shine.
     pub share: R,
 }
 
-/// A lamp whose points can be looked at.
+/// Lamp with an extent whose points can be sampled.
 pub trait Extent<R: Real> {
-    /// What `from` sees of the lamp's point `at`, of the unit square: a lamp that weakens with distance where
-    /// `PHYSICAL`, else not.
+    /// Returns the lamp point for `at`, in the unit square, as seen from `from`. `PHYSICAL` selects inverse-square
+    /// falloff; otherwise the light does not weaken with distance.
     fn point<const PHYSICAL: bool>(&self, from: Vector3<R>, at: [R; 2]) -> Seen<R>;
 
-    /// Corners of a pyramid that holds the lamp, as vectors from its apex `from` to a plane across the lamp, in order
-    /// around it.
+    /// Returns the edges of a pyramid with apex `from` that encloses the lamp: vectors from `from` to four corners in a
+    /// plane across the lamp, in order around it.
     fn corners(&self, from: Vector3<R>) -> [Vector3<R>; 4];
 }
 
-/// The signs of the four corners of a square, in order around it.
+/// Signs of the four corners of a square, in order around it.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// A ball. Its points are those of the cap that a place sees, by equal solid angles, so that each is worth the same.
+/// Spherical lamp. Samples cover the visible cap by equal solid angles, so each has the same weight.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball<R> {
     /// Centre.
@@ -39,14 +39,14 @@ pub struct Ball<R> {
     pub radius: R,
 }
 
-/// How a place sees a ball.
+/// Visible cap of a ball.
 struct Cap<R> {
-    /// Unit direction to the centre, and two across it.
+    /// Unit direction to the centre, and two unit vectors across it.
     axes: [Vector3<R>; 3],
     distance: R,
     /// Square of the sine of the cap's half angle, `(radius / distance)^2`.
     sin_squared: R,
-    /// 1 minus the cosine of that angle.
+    /// 1 minus the cosine of the cap's half angle.
     height: R,
 }
 
@@ -55,7 +55,8 @@ impl<R: Real> Ball<R> {
         let way = self.centre - from;
         let distance = way.length();
         let along = way * (R::one() / distance);
-        // An axis that no scene is built along: where it is the direction itself the points turn about suddenly.
+        // An axis along which no scene is likely to be built. Sample positions turn abruptly where the direction passes
+        // through it.
         let splat = |x: f64, y: f64, z: f64| Vector3::new(R::splat(x), R::splat(y), R::splat(z));
         let (askew, other) = (splat(0.231, 0.519, 0.823), splat(1.0, 0.0, 0.0));
         let across = askew.cross(along);
@@ -79,7 +80,8 @@ impl<R: Real> Extent<R> for Ball<R> {
         let reach = (height * (one + one - drop)).safe_sqrt();
         let dir = along * (one - drop) + across * (x * reach) + up * (y * reach);
         let behind = (sin_squared - drop * (one + one - drop)).safe_sqrt();
-        // pi (radius / distance)^2 of even radiance I / (pi radius^2) comes to I / distance^2, but for the cap's curve.
+        // Radiance I / (pi radius^2) over solid angle pi (radius / distance)^2 gives I / distance^2, up to the
+        // curvature of the cap.
         let cos_rim = one - height;
         let falloff = if PHYSICAL { R::splat(2.0) / (distance * distance * (one + cos_rim)) } else { one };
         let outside = sin_squared.lt(one);
@@ -89,21 +91,21 @@ impl<R: Real> Extent<R> for Ball<R> {
     #[inline(always)]
     fn corners(&self, from: Vector3<R>) -> [Vector3<R>; 4] {
         let Cap { axes: [along, across, up], distance, sin_squared, .. } = self.cap(from);
-        // The square around the circle in which the tangents from here cross the plane of the centre.
+        // Square around the circle in which the tangents from `from` cut the plane of the centre.
         let reach = distance * (sin_squared / (R::one() - sin_squared)).safe_sqrt();
         let (middle, across, up) = (along * distance, across * reach, up * reach);
         CORNERS.map(|[x, y]| middle + across * R::splat(x) + up * R::splat(y))
     }
 }
 
-/// A parallelogram. Its points are its own, by equal areas.
+/// Parallelogram lamp. Samples cover it by equal areas.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheet<R> {
     /// One corner.
     pub corner: Vector3<R>,
-    /// The edges from there.
+    /// Edge vectors from that corner.
     pub edges: [Vector3<R>; 2],
-    /// Unit normal on the side that shines; none where it shines evenly into all directions.
+    /// Unit normal of the emitting side. `None` if the lamp shines evenly in all directions.
     pub normal: Option<Vector3<R>>,
 }
 
@@ -131,8 +133,8 @@ impl<R: Real> Extent<R> for Sheet<R> {
     }
 }
 
-/// The point of the unit disc that stands for a point of the unit square: concentric squares become circles, areas stay
-/// what they are (Shirley & Chiu 1997).
+/// Maps the unit square to the unit disc: concentric squares become circles, and areas are preserved (Shirley & Chiu
+/// 1997).
 #[inline(always)]
 fn disc<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     let (x, y) = (u + u - R::one(), v + v - R::one());
@@ -180,7 +182,7 @@ mod tests {
         }
     }
 
-    /// The irradiance of an even ball on a surface that faces its centre is that of all its intensity in the centre.
+    /// The irradiance from a uniform ball on a surface facing its centre equals that of a point lamp there.
     #[test]
     fn a_ball_sends_what_a_point_of_its_intensity_would() {
         let ball = Ball { centre: V::new(0.0, 0.0, 0.0), radius: 1.0 };
@@ -222,7 +224,7 @@ mod tests {
         let corners = ball.corners(from);
         let middle = (ball.centre - from).normalized();
         for k in 0..4 {
-            // The plane through the place and two neighbouring corners touches the ball, and has it on its inside.
+            // The plane through the apex and two neighbouring corners touches the ball and has it on its inner side.
             let plane = corners[k].cross(corners[(k + 1) % 4]).normalized();
             let far = plane.dot(ball.centre - from);
             assert!((far.abs() - 0.9).abs() < 1e-12, "{far}");

@@ -1,5 +1,5 @@
-//! What some renders carry beside each ray's state: the budget of a proven cut-off, and what the path does to polarised
-//! light. Queues hold it only where a render asks for one of them.
+//! Optional state of rays: the budget of a proven cut-off, and the polarisation of the path. Queues hold it only in
+//! renders that need it.
 
 use glam::Vec3;
 
@@ -8,8 +8,8 @@ use crate::math::{Real, Vector3};
 use crate::optics::{Diattenuation, Mueller, PlaneOfIncidence, any_across, made_across};
 use crate::simd::{F32x8, Vec3x8};
 
-/// Eight rays' extras. As an array, so that lanes are moved by one loop: three budgets, the three coordinates of the
-/// frame's axis, and three diattenuations of three numbers.
+/// Extras of eight rays, as one array so that one loop moves a lane: three budgets, three coordinates of the frame's
+/// axis, and three diattenuations of three numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Extra8([F32x8; 15]);
 
@@ -17,7 +17,7 @@ const AXIS: usize = 3;
 const RGB: usize = 6;
 
 impl Extra8 {
-    /// Of rays into `dir` that start at the camera, or at surfaces that depolarise.
+    /// Returns the extras of rays in `dir` that start at the camera or at depolarising surfaces.
     #[must_use]
     pub fn fresh(dir: Vec3x8) -> Self {
         let mut all = [F32x8::ZERO; 15];
@@ -27,14 +27,14 @@ impl Extra8 {
         Self(all)
     }
 
-    /// What may still be cut, as [`super::budget`] has it.
+    /// Returns the budgets, as defined in [`super::budget`].
     #[inline(always)]
     #[must_use]
     pub fn budget(&self) -> Rgb8 {
         Vector3::new(self.0[0], self.0[1], self.0[2])
     }
 
-    /// Sets what may still be cut.
+    /// Sets the budgets.
     #[inline(always)]
     pub fn set_budget(&mut self, budget: Rgb8) {
         (self.0[0], self.0[1], self.0[2]) = (budget.x, budget.y, budget.z);
@@ -58,7 +58,7 @@ impl Extra8 {
         (self.0[at], self.0[at + 1], self.0[at + 2]) = (to.q, to.u, to.v);
     }
 
-    /// In the frames of the planes of incidence at surfaces with these normals.
+    /// Returns the extras in the frames of the planes of incidence at surfaces with these normals.
     #[must_use]
     pub fn facing(&self, dir: Vec3x8, normal: Vec3x8) -> Self {
         let plane = PlaneOfIncidence::of_incidence(dir, self.axis(), normal);
@@ -68,14 +68,14 @@ impl Extra8 {
         turned
     }
 
-    /// The factors that surfaces put on the weights.
+    /// Returns the factors by which surfaces multiply the weights.
     #[must_use]
     pub fn gain(&self, surface: &[Mueller<F32x8>; 3]) -> Rgb8 {
         let [r, g, b] = std::array::from_fn(|c| self.channel(c).gain(&surface[c]));
         Vector3::new(r, g, b)
     }
 
-    /// With surfaces added to the paths; in their frames.
+    /// Returns the extras after surfaces, in the surfaces' frames.
     #[must_use]
     pub fn then(&self, surface: &[Mueller<F32x8>; 3]) -> Self {
         let mut on = *self;
@@ -83,7 +83,7 @@ impl Extra8 {
         on
     }
 
-    /// Of the rays that leave into `dir`.
+    /// Returns the extras of the rays that leave in `dir`.
     #[must_use]
     pub fn along(&self, dir: Vec3x8) -> Self {
         let mut on = *self;
@@ -91,7 +91,7 @@ impl Extra8 {
         on
     }
 
-    /// Puts lane `from` of another into lane `to`.
+    /// Copies lane `from` of `other` to lane `to`.
     #[inline(always)]
     pub fn put(&mut self, to: usize, other: &Self, from: usize) {
         for (mine, theirs) in self.0.iter_mut().zip(&other.0) {

@@ -1,4 +1,4 @@
-//! Bodies that the eye is in.
+//! Bodies that contain the camera.
 
 use glam::{DVec3, Vec3};
 
@@ -8,27 +8,28 @@ use crate::geometry::contact::{Contacts, Face};
 use crate::geometry::{GeometryMask, Hit8, Ray, Ray8, Shape};
 use crate::scene::{Bodies, Scene};
 
-/// Where the march goes: upwards, but askew, since straight up would follow the walls of upright boxes and meet the
+/// Direction of the march: upwards, but tilted. Straight up would run along the walls of upright boxes and hit the
 /// diagonals of their lids.
 const UPWARDS: DVec3 = DVec3::new(0.137, 1.0, 0.259);
 
-/// The bodies around the eye, in the order a ray from outside would enter them: what the camera names, or else the half
-/// spaces of planes that hold the eye and every body whose boundary a march upwards leaves without having entered it.
+/// Returns the bodies around the eye, in the order in which a ray from outside would enter them. A medium named by the
+/// camera takes precedence. Otherwise these are the half spaces of planes that contain the eye, and every body that a
+/// march upwards leaves without having entered it.
 #[must_use]
 pub fn bodies_around<I: Intersector>(scene: &Scene, accel: &I, bodies: &Bodies, contacts: &Contacts) -> Vec<u32> {
     match scene.camera.medium {
-        // It surrounds everything, and cannot be entered.
+        // Medium 0 surrounds everything and cannot be entered.
         Some(0) => Vec::new(),
         Some(medium) => vec![bodies.of_medium(medium)],
         None => {
-            // What is left last was entered first.
+            // The body left last was entered first.
             let solids = solids_around(scene, accel, bodies, contacts);
             half_spaces_around(scene, bodies).into_iter().rev().chain(solids.into_iter().rev()).collect()
         }
     }
 }
 
-/// Planes reach everywhere, so that the side of one is no matter of marching.
+/// Returns the half spaces that contain the eye. A plane is infinite, so its side is known without a march.
 fn half_spaces_around(scene: &Scene, bodies: &Bodies) -> Vec<u32> {
     let mut around = Vec::new();
     for (object, geometry) in scene.geometry.iter().enumerate() {
@@ -41,7 +42,7 @@ fn half_spaces_around(scene: &Scene, bodies: &Bodies) -> Vec<u32> {
     around
 }
 
-/// Bodies of spheres and meshes, the innermost first.
+/// Returns the spheres and meshes around the eye, innermost first.
 fn solids_around<I: Intersector>(scene: &Scene, accel: &I, bodies: &Bodies, contacts: &Contacts) -> Vec<u32> {
     let mut scratch = I::Scratch::default();
     let dir: Vec3 = UPWARDS.normalize().as_vec3();
@@ -60,7 +61,7 @@ fn solids_around<I: Intersector>(scene: &Scene, accel: &I, bodies: &Bodies, cont
         let chunk = super::queue::Chunk { rays, states: vec![super::queue::State8::default()], extras: Vec::new() };
         let mut surface = super::surface::Surface8::one(scene, &chunk, &hits);
         let (point, away) = (surface.point.lane(0).as_dvec3(), dir.as_dvec3());
-        // Everything that lies at the place is crossed at once.
+        // All surfaces at this point are crossed at once.
         let mut faces = vec![Face::of(&scene.geometry, hit.geometry, hit.primitive)];
         if contacts.touches(hit.geometry, hit.primitive) {
             let own = faces.swap_remove(0);

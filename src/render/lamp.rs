@@ -1,12 +1,14 @@
-//! Where a shadow ray to a lamp ends.
+//! End of a shadow ray to a lamp.
 
 use crate::math::{Real, Vector3, gamma};
 
-/// How far along a shadow ray of length `distance` surfaces count as in its way: all of it but for what rounding can
-/// misplace a surface that the lamp itself stands on, or else a lamp on a ceiling would be shaded by it here and there.
+/// Returns the `t_max` for occlusion along a shadow ray of length `distance`. It lies slightly before the lamp, by the
+/// amount that rounding can misplace a surface on which the lamp itself stands. Otherwise a ceiling would shade its own
+/// lamp in places.
 ///
-/// The intersection test moves a surface by 8 unit roundoffs of the distance and 6 of the triangle's extent, for which
-/// the coordinates at both ends stand here; a ray that comes in at an angle meets it as many times farther off as its
+/// The intersection test moves a surface by up to 8 unit roundoffs of the distance and 6 of the triangle's extent. The
+/// coordinates at both ends of the ray stand in for that extent. At an angle the error grows by one over the cosine. 32
+/// roundoffs suffice down to a cosine of 1/4.
 /// cosine is below 1. 32 roundoffs hold that down to a cosine of a quarter.
 #[inline]
 pub fn before_lamp<R: Real>(origin: Vector3<R>, dir: Vector3<R>, distance: R) -> R {

@@ -1,4 +1,4 @@
-//! The light stage: what one light adds to a stream of surfaces, and the shadow rays that decide whether it does.
+//! Light stage for lamps without extent: direct light on a stream of surfaces, and its shadow rays.
 
 use glam::Vec3;
 
@@ -11,11 +11,11 @@ use crate::optics::reflect;
 use crate::scene::{Falloff, Light, LightKind};
 use crate::simd::{F32x8, Vec3x8};
 
-/// Adds what the light of this number in the scene sends to surfaces with these bases: to the shadow queue, with what
-/// arrives if nothing is in the way as its weight, or, where the light casts no shadows, to their pixels.
+/// Function that adds the light with the given scene index to surfaces with these bases. Where the light casts shadows,
+/// it queues shadow rays weighted by the unoccluded light. Otherwise it adds the light to the pixels.
 pub type LightStage = fn(&mut Shading, usize, &[Surface8], &[Base8]);
 
-/// The stage for a light on surfaces some of which have highlights (`shiny`); none for one with an extent.
+/// Picks the stage of a light; `shiny` says that some surfaces have highlights. Returns `None` for an area lamp.
 #[must_use]
 pub fn pick(light: &Light, shiny: bool, shadows: bool) -> Option<LightStage> {
     match light.kind {
@@ -56,7 +56,8 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
         let origin = surface.above();
         let (dir, distance, factor) = source.arrive::<PHYSICAL>(origin);
         let cos = dir.dot(surface.shading);
-        // On the viewer's side of both normals: smooth normals must not let light through the surface.
+        // The light must lie on the viewer's side of both normals: smooth normals must not let light through the
+        // surface.
         let facing = cos.gt(F32x8::ZERO) & dir.dot(surface.normal).gt(F32x8::ZERO);
         let lit = facing.bits() & surface.base_lanes;
         if lit == 0 {
@@ -92,7 +93,7 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
     }
 }
 
-/// The highlight's cosine to its exponent, for unit directions to the light.
+/// Evaluates the highlight lobe, a cosine raised to the exponent, for unit directions to the light.
 #[inline(always)]
 pub(super) fn lobe(base: &Base8, surface: &Surface8, to_light: Vec3x8) -> F32x8 {
     let phong = -reflect(-to_light, surface.shading).dot(surface.incident);
@@ -101,13 +102,13 @@ pub(super) fn lobe(base: &Base8, surface: &Surface8, to_light: Vec3x8) -> F32x8 
     Real::pow(cos, base.exponent)
 }
 
-/// A kind of light.
+/// Kind of light without extent.
 trait Source: Sized + 'static {
-    /// The light, where it is of this kind.
+    /// Returns the source if the light is of this kind.
     fn of(light: &Light) -> Option<Self>;
 
-    /// Unit directions from `origin` to the light, distances, and what part of its intensity arrives there unshadowed
-    /// on a facing surface (without `pi`, which is the surface's affair), where that is not all of it.
+    /// Returns unit directions from `origin` to the light, distances, and the share of its intensity that arrives
+    /// unoccluded on a facing surface. `None` stands for a share of 1. The factor 1/pi belongs to the surface.
     fn arrive<const PHYSICAL: bool>(&self, origin: Vec3x8) -> (Vec3x8, F32x8, Option<F32x8>);
 }
 
@@ -164,8 +165,8 @@ impl Source for FromAfar {
     }
 }
 
-/// Unit directions and distances to a point. At the point itself the direction is NaN, every comparison with it
-/// false, and the surface unlit.
+/// Returns unit directions and distances to a point. At the point itself the direction is NaN, every comparison with it
+/// is false, and the surface stays unlit.
 #[inline(always)]
 fn towards(position: Vec3, origin: Vec3x8) -> (Vec3x8, F32x8) {
     let way = Vec3x8::splat(position) - origin;
@@ -178,7 +179,7 @@ fn weakening(distance: F32x8) -> F32x8 {
     F32x8::ONE / (distance * distance)
 }
 
-/// The spot light's factor: 1 inside the inner cone, 0 outside the outer one, a smooth step between.
+/// Returns the spot light's factor: 1 inside the inner cone, 0 outside the outer one, and a smooth step between.
 #[inline(always)]
 fn cone(cos: F32x8, cos_inner: f32, cos_outer: f32) -> F32x8 {
     let inside = cos.ge(F32x8::from(cos_inner));

@@ -1,6 +1,6 @@
-//! Limits that end rays before their light is found.
+//! Limits that end rays early.
 
-/// The reason for which a ray ended and its weight counts as truncated.
+/// Limit that ended a ray, whose weight then counts as truncated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limit {
@@ -8,17 +8,19 @@ pub enum Limit {
     Cutoff,
     /// The depth limit (`Settings::max_depth`).
     Depth,
-    /// The limit of surfaces in a row that are not there.
+    /// Limit on consecutive passed surfaces: surfaces that bound no medium change.
     Passes,
-    /// A choice of the render: a proven cut-off, reflection or total reflection left out, a formula that knows no direction.
+    /// Option of the render: a proven cut-off, reflection or total reflection left out, or a refraction formula that
+    /// gave no direction.
     Asked,
 }
 
 impl Limit {
-    /// All limits, in the order of their numbers.
+    /// All limits, in the order of their discriminants.
     pub const ALL: [Self; 4] = [Self::Cutoff, Self::Depth, Self::Passes, Self::Asked];
 
-    /// The limit that took the heaviest channel of the weights by limit; none where all are 0. Of equal ones, the first.
+    /// Returns the limit that took the largest channel among `weights`, which are ordered by limit. Returns `None` if
+    /// all are 0, and the first of equal ones.
     #[must_use]
     pub fn heaviest(weights: [[f64; 3]; Self::ALL.len()]) -> Option<Self> {
         let mut found = (None, 0.0);

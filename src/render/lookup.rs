@@ -1,28 +1,29 @@
-//! Colours by direction and by place: pictures and checkers.
+//! Colour lookup by direction and by position: pictures and checkers.
 
 use glam::{Vec2, Vec3};
 
 use crate::scene::{Rgb, Texture};
 
-/// Texture coordinates of a unit direction in an equirectangular picture turned by `rotation` radians about +y:
-/// `u = 1/2 + (atan2(x, -z) - rotation) / 2 pi`, `v = 1 - acos(y) / pi`.
+/// Returns the texture coordinates of a unit direction in an equirectangular picture. The picture is turned by
+/// `rotation` radians about +y: `u = 1/2 + (atan2(x, -z) - rotation) / 2 pi`, `v = 1 - acos(y) / pi`.
 #[must_use]
 pub fn lat_long(dir: Vec3, rotation: f32) -> Vec2 {
     use std::f32::consts::{PI, TAU};
     Vec2::new(0.5 + (dir.x.atan2(-dir.z) - rotation) / TAU, 1.0 - dir.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
-/// What lies beyond the upper and lower edge of a picture.
+/// Continuation of a picture beyond its upper and lower edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
-    /// The picture again.
+    /// Repeats the picture.
     Repeat,
-    /// Its edge row.
+    /// Repeats the edge row.
     Clamp,
 }
 
-/// The colour of `picture` at `uv`, bilinear between texel centres (which lie at `(i + 0.5) / width`); `v` = 1 is the
-/// top. Repeats in `u`; in `v` as `vertical` says. Coordinates that are not finite count as 0.
+/// Returns the colour of `picture` at `uv`, interpolated bilinearly between texel centres, which lie at `(i + 0.5) /
+/// width`. `v` = 1 is the top. The picture repeats in `u`, and continues in `v` as `vertical` says. Coordinates that
+/// are not finite count as 0.
 #[must_use]
 pub fn bilinear(picture: &Texture, uv: Vec2, vertical: Edge) -> Rgb {
     let (w, h) = (picture.width as i64, picture.height as i64);
@@ -50,12 +51,12 @@ pub fn bilinear(picture: &Texture, uv: Vec2, vertical: Edge) -> Rgb {
     row(y).lerp(row(y + 1), fy)
 }
 
-/// Whether a point lies in an even cube of a checker.
+/// Returns true if a point lies in an even cube of a checker.
 #[inline]
 #[must_use]
 pub fn checker_is_even(point: Vec3, size: f32, offset: Vec3) -> bool {
     let cell = ((point - offset) / size).floor();
-    // Halving and comparing keeps far-away cells right where an integer would overflow.
+    // Halving and comparing stays exact for far cells, where an integer would overflow.
     let sum = cell.x + cell.y + cell.z;
     (sum * 0.5).floor() * 2.0 == sum
 }

@@ -1,13 +1,13 @@
-//! The medium stage: what space itself takes of light.
+//! Medium stage: absorption along rays.
 
 use super::queue::Chunk;
 use super::shading::Shading;
 use crate::geometry::Hit8;
 
-/// Weakens the rays of a chunk by the media that they travelled in to what they met.
+/// Function that multiplies the weights of a chunk's rays by the transmittance of their media up to the hits.
 pub type MediumStage = fn(&Shading, &mut Chunk, &[Hit8]);
 
-/// The stage where some medium absorbs.
+/// Applies absorption. Used where some medium absorbs.
 pub fn absorb(shading: &Shading, chunk: &mut Chunk, hits: &[Hit8]) {
     for ((ray, state), hit) in chunk.rays.iter().zip(&mut chunk.states).zip(hits) {
         if let Some(left) = shading.absorbed(ray.active, &state.stack, hit.t + state.lead) {

@@ -1,9 +1,9 @@
-//! From scene to film: tiles of ray streams, traced, shaded eight at a time, and their secondary rays queued.
+//! Rendering of a scene to a film: tiles of ray streams, traced and shaded eight lanes at a time.
 //!
-//! One thread renders one tile at a time. A tile's camera rays are traced as one stream; what they meet is sorted by
-//! kind of surface into bins, and each bin goes through the stages it calls for, a stream at a time, eight lanes wide
-//! (`stages.rs`); the rays that follow wait in queues by depth and kind, and the deepest
-//! queue is taken first, a chunk at a time, so that memory is bounded by depth times chunk and not by 2^depth.
+//! Each thread renders one tile at a time. A tile's camera rays are traced as one stream. Their hits are sorted into
+//! bins by class of surface, and each bin runs through its stages, a stream at a time and eight lanes wide
+//! (`stages.rs`). Secondary rays wait in queues by depth and kind. The deepest full queue is traced first, a chunk at a
+//! time, so that memory is bounded by depth times chunk, not by 2^depth.
 
 mod accumulate;
 mod base;
@@ -20,6 +20,7 @@ mod limit;
 mod lookup;
 mod media;
 mod medium;
+mod memory;
 mod options;
 mod outcome;
 mod pattern;
@@ -27,7 +28,6 @@ mod place;
 mod queue;
 pub mod record;
 pub mod reference;
-mod room;
 mod shading;
 mod shadow;
 mod shortfall;
@@ -46,10 +46,10 @@ pub use accumulate::PixelMean;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
 pub use limit::Limit;
+pub use memory::need;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{Outcome, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound};
 pub use pattern::FilmRay;
-pub use room::need;
 pub use shortfall::{Again, Cure, Shortfall};
 pub use unmatched::UnmatchedExits;
 
@@ -68,38 +68,38 @@ use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
 
-/// What one tile came to.
+/// Pixels of one rendered tile.
 struct TileResult {
-    /// Its place in the list of tiles.
+    /// Index in the list of tiles.
     number: usize,
     tile: Tile,
     pixels: Vec<PixelMean>,
 }
 
-/// Renders `scene` with `accel`, which was built from `scene.geometry`.
+/// Renders `scene` with `accel`, which must have been built from `scene.geometry`.
 ///
-/// Effects in `options.effects.without` are left out; what the rest calls for picks the stages.
-///
-/// The picture depends on neither `options.threads` nor `options.tile`, to the bit.
+/// Leaves out the effects in `options.effects.without`, and picks the stages by what the rest of the scene needs. The
+/// picture does not depend on `options.threads` or `options.tile`, to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop; [`Error::Limit`] when threads could not be started or there is no
-/// memory for the picture; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
+/// - [`Error::Interrupted`] if the observer requests a stop.
+/// - [`Error::Limit`] if threads cannot be started, or the picture does not fit in memory.
+/// - [`Error::Usage`] if a proven cut-off is requested for a scene that has none.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
     let scene = &*effects::without(scene, options.effects.without);
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    room::need_with(settings, options.thread_count().min(tiles.len()))?;
+    memory::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
-    let ready = Ready::of(scene, accel, options).with_shafts(scene, accel);
-    let parts = each(scene, accel, &ready, options, observer, &tiles, &|tile| _ = done(tile))?;
+    let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel);
+    let parts = render_tiles(scene, accel, &facts, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
     let mut truncated = Film::new(settings.width, settings.height);
     let mut limits = vec![None; film.pixels.len()];
-    let mut tally = Tally::default();
+    let mut counts = ThreadCounts::default();
     for (results, part) in parts {
-        tally.merge(&part);
+        counts.merge(&part);
         for TileResult { tile, pixels, .. } in results {
             for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
                 let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
@@ -116,65 +116,66 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         truncated,
         limits,
         shortfall: None,
-        rays: tally.rays,
-        non_finite: tally.non_finite,
-        clamped: tally.clamped,
-        unmatched_exits: tally.unmatched_exits.total(),
-        unmatched_objects: tally.unmatched_exits.worst_first(),
-        streams: tally.streams,
-        touching: ready.touching,
-        seen: tally.seen,
+        rays: counts.rays,
+        non_finite: counts.non_finite,
+        clamped: counts.clamped,
+        unmatched_exits: counts.unmatched_exits.total(),
+        unmatched_objects: counts.unmatched_exits.worst_first(),
+        streams: counts.streams,
+        touching: facts.touching,
+        seen: counts.seen,
     })
 }
 
-/// Renders pixels of one scene time and again, under one set of limits or another.
+/// Renderer for selected pixels of one scene, which may be called again under other limits.
 pub struct Pixels<'a, I: Intersector> {
     accel: &'a I,
     options: &'a Options,
     observer: &'a Observer,
-    ready: OnceCell<Ready<'a>>,
+    facts: OnceCell<SceneFacts<'a>>,
 }
 
 impl<'a, I: Intersector> Pixels<'a, I> {
-    /// With what [`render`] would be called with. Nothing is done yet.
+    /// Creates the renderer from the arguments of [`render`]. Does no work yet.
     #[must_use]
     pub fn new(accel: &'a I, options: &'a Options, observer: &'a Observer) -> Self {
-        Self { accel, options, observer, ready: OnceCell::new() }
+        Self { accel, options, observer, facts: OnceCell::new() }
     }
 
-    /// Some pixels of the picture that [`render`] makes, by column and row from 0 at the upper left, to the bit; and how
-    /// many rays they took. The scene must be that of earlier calls, but for the depth limit and the weight cut-off.
+    /// Renders the pixels `which`, given by column and row from 0 at the upper left, as [`render`] does, to the bit.
+    /// Returns them with the number of rays traced. Later calls must pass the same scene, except for the depth limit
+    /// and the weight cut-off.
     ///
     /// # Errors
-    /// As [`render`].
+    /// Fails as [`render`] does.
     pub fn render(&self, scene: &Scene, which: &[[u32; 2]]) -> Result<Again> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let ready = self.ready.get_or_init(|| Ready::of(scene, accel, options).with_shafts(scene, accel));
-        let parts = each(scene, accel, ready, options, observer, &tiles, &|_| ())?;
+        let facts = self.facts.get_or_init(|| SceneFacts::of(scene, accel, options).with_shafts(scene, accel));
+        let parts = render_tiles(scene, accel, facts, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
-        for (results, tally) in parts {
-            again.rays += tally.rays.total();
+        for (results, counts) in parts {
+            again.rays += counts.rays.total();
             results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
         }
         Ok(again)
     }
 }
 
-/// Facts of a scene that are found before its first ray. Limits do not matter to them.
-struct Ready<'a> {
+/// Facts of a scene computed before its first ray, independent of its limits.
+struct SceneFacts<'a> {
     bodies: Bodies,
     contacts: Contacts,
     touching: TouchingFound,
-    /// Bodies around the eye, the outermost first.
+    /// Bodies around the eye, outermost first.
     eye: Vec<u32>,
-    /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
+    /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
 }
 
-impl<'a> Ready<'a> {
-    /// Of a scene from which nothing is left to be left out.
+impl<'a> SceneFacts<'a> {
+    /// Computes the facts of `scene`, from which effects have already been left out.
     fn of<I: Intersector>(scene: &Scene, accel: &I, options: &Options) -> Self {
         let bodies = Bodies::of(scene);
         let (contacts, touching) = contacts(scene, options);
@@ -182,13 +183,13 @@ impl<'a> Ready<'a> {
         Self { bodies, contacts, touching, eye, shafts: None }
     }
 
-    /// The same with shafts where the scene calls for them.
+    /// Adds the shafts if the scene's area lamps need them.
     fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Self {
         let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
         Self { shafts, ..self }
     }
 
-    /// The functions that the scene calls for.
+    /// Picks the stages that the scene needs.
     fn stages(&self, scene: &Scene, options: &Options) -> Stages {
         let media: Vec<u32> = self.eye.iter().map(|&body| self.bodies.medium(body)).collect();
         Stages::of(scene, &Reach::of(scene), &media, !self.contacts.is_empty(), options)
@@ -199,25 +200,24 @@ impl<'a> Ready<'a> {
     }
 }
 
-/// Renders tiles of a scene from which nothing is left to be left out: one list of results, and what was counted, for each
-/// thread.
-fn each<I: Intersector>(
+/// Renders `tiles` of a scene from which effects have already been left out. Returns each thread's results and counts.
+fn render_tiles<I: Intersector>(
     scene: &Scene,
     accel: &I,
-    ready: &Ready,
+    facts: &SceneFacts,
     options: &Options,
     observer: &Observer,
     tiles: &[Tile],
     done: &(dyn Fn(&Tile) + Sync),
-) -> Result<Vec<(Vec<TileResult>, Tally)>> {
+) -> Result<Vec<(Vec<TileResult>, ThreadCounts)>> {
     let tolls = Ceiling::asked(scene, options)?;
-    let (stages, media) = (ready.stages(scene, options), ready.media());
+    let (stages, media) = (facts.stages(scene, options), facts.media());
     let next = AtomicUsize::new(0);
     let samples = scene.settings.samples * scene.settings.samples;
 
-    let work = || -> Result<(Vec<TileResult>, Tally)> {
+    let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
-        worker.shading.shafts = ready.shafts.as_ref();
+        worker.shading.shafts = facts.shafts.as_ref();
         let mut results = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
@@ -227,7 +227,7 @@ fn each<I: Intersector>(
             results.push(TileResult { number, tile, pixels });
             done(&tile);
         }
-        Ok((results, Tally::of(&worker)))
+        Ok((results, ThreadCounts::of(&worker)))
     };
 
     let count = options.thread_count().min(tiles.len());
@@ -239,7 +239,7 @@ fn each<I: Intersector>(
         if spawned.is_err() {
             observer.stop.store(true, Ordering::Relaxed);
         }
-        // The calling thread works too.
+        // The calling thread renders, too.
         let mine = work();
         let mut parts: Vec<_> = spawned?.into_iter().map(|t| t.join().expect("a worker does not panic")).collect();
         parts.push(mine);
@@ -247,11 +247,12 @@ fn each<I: Intersector>(
     })
 }
 
-/// One pixel of the picture that [`render`] makes (columns and rows from 0, at the upper left), with every ray that came
-/// of it written down: radiance and truncated weight as the picture has them, to the bit.
+/// Renders one pixel, given by column and row from 0 at the upper left, and records all of its rays. Radiance and
+/// truncated weight equal those of [`render`], to the bit.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer said stop; [`Error::Usage`] where rays carry polarisation or budgets.
+/// - [`Error::Interrupted`] if the observer requests a stop.
+/// - [`Error::Usage`] if rays carry polarisation or budgets.
 pub fn recorded<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -260,12 +261,12 @@ pub fn recorded<I: Intersector>(
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
     let scene = &*effects::without(scene, options.effects.without);
-    let ready = Ready::of(scene, accel, options);
-    let (stages, media) = (ready.stages(scene, options), ready.media());
+    let facts = SceneFacts::of(scene, accel, options);
+    let (stages, media) = (facts.stages(scene, options), facts.media());
     if stages.carries {
         return Err(Error::Usage(String::from(
-            "the rays of a pixel are written down in eight lanes neither with polarisation nor under a proven cut-off; \
-             take another --fresnel",
+            "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
+             take another --fresnel, or leave out --cutoff-error",
         )));
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
@@ -275,7 +276,7 @@ pub fn recorded<I: Intersector>(
     Ok((radiance, truncated, tree))
 }
 
-/// The touching surfaces of a scene, unless they are left out.
+/// Finds the touching surfaces of a scene, unless that effect is left out.
 fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
     if options.effects.without.has(Effect::Touching) {
         return Default::default();
@@ -286,9 +287,9 @@ fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
     (contacts, found)
 }
 
-/// What a thread counted.
+/// Counts of one thread.
 #[derive(Default)]
-struct Tally {
+struct ThreadCounts {
     rays: RayCounts,
     non_finite: u64,
     clamped: u64,
@@ -297,7 +298,7 @@ struct Tally {
     seen: Seen,
 }
 
-impl Tally {
+impl ThreadCounts {
     fn of<I: Intersector>(worker: &Worker<I>) -> Self {
         Self {
             rays: worker.shading.counts.clone(),

@@ -1,41 +1,41 @@
-//! What a render is asked for beyond the scene's own settings.
+//! Options of a render beyond the scene's own settings.
 
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use crate::effects;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 
-/// What becomes of light that surfaces reflect, mirrors that show the environment apart.
+/// Treatment of the light that surfaces reflect. Mirrors that show the environment are not affected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Reflection {
-    /// A ray is traced.
+    /// Traces a ray.
     #[default]
     Traced,
-    /// The environment is looked up in the mirror direction, at any depth and whatever stands between.
+    /// Looks up the environment in the mirror direction, at any depth and ignoring occluders.
     Environment,
-    /// It is left out, and counted as the weight of a ray that ended.
+    /// Leaves the light out and counts its weight as truncated.
     None,
 }
 
-/// Choices of one render. Threads and tiles do not change the picture.
+/// Options of one render. Threads and tiles do not change the picture.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Which Fresnel formula splits light.
+    /// Formula for the reflectance of dielectrics.
     pub fresnel: FresnelModel,
-    /// Which formula bends light.
+    /// Formula for the direction of refracted rays.
     pub refraction: RefractionModel,
-    /// The constant of [`RefractionModel::Oliveira`]; no other formula looks at it.
+    /// Constant of [`RefractionModel::Oliveira`]; unused by other formulas.
     pub oliveira: Oliveira,
-    /// What becomes of reflected light.
+    /// Treatment of reflected light.
     pub reflection: Reflection,
-    /// Which effects are left out, and how stages are picked.
+    /// Effects left out, and the choice of stages.
     pub effects: effects::Options,
-    /// Cuts rays by a proven bound instead of by their weight (`Settings::cutoff`): what is cut changes no channel of any
-    /// pixel by more than this, which is above 0. The depth limit cuts all the same.
+    /// Ends rays by a proven bound instead of by their weight (`Settings::cutoff`). The value, above 0, is the largest
+    /// change in any channel of any pixel. The depth limit still applies.
     pub cutoff_error: Option<f32>,
-    /// Worker threads; 0 is one a processor.
+    /// Number of worker threads; 0 means one per processor.
     pub threads: usize,
-    /// Edge of a square tile in pixels, at least 1.
+    /// Edge of a square tile, in pixels; at least 1.
     pub tile: u32,
 }
 
@@ -54,17 +54,17 @@ impl Default for Options {
     }
 }
 
-/// How a caller watches a render, and stops it.
+/// Progress of a render, and the request to stop it.
 #[derive(Debug, Default)]
 pub struct Observer {
-    /// Pixels finished so far.
+    /// Number of pixels finished so far.
     pub pixels_done: AtomicU64,
-    /// Set it, and the render ends within a tile with `Error::Interrupted`.
+    /// Request to stop: when set, the render ends within a tile with `Error::Interrupted`.
     pub stop: AtomicBool,
 }
 
 impl Options {
-    /// The formula that bends light: the one asked for, or none where refraction is left out.
+    /// Returns the refraction formula to use: `refraction`, or none if refraction is left out.
     #[must_use]
     pub fn bending(&self) -> RefractionModel {
         if self.effects.without.has(effects::Effect::Refraction) {
@@ -74,7 +74,7 @@ impl Options {
         }
     }
 
-    /// The number of threads asked for, with 0 resolved to one a processor.
+    /// Returns the number of threads, with 0 resolved to one per processor.
     #[must_use]
     pub fn thread_count(&self) -> usize {
         match self.threads {

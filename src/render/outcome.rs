@@ -1,4 +1,4 @@
-//! What a render gives back beside the picture.
+//! Results of a render: the picture, and counts of rays, streams and losses.
 
 use std::time::Duration;
 
@@ -6,58 +6,59 @@ use super::limit::Limit;
 use super::shortfall::Shortfall;
 use crate::image::Film;
 
-/// A finished picture and what it took.
+/// Finished picture and the counts of its render.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// The picture, in linear radiance.
+    /// Picture in linear radiance.
     pub film: Film,
-    /// Weight that each pixel's cut rays carried (depth limit and weight cut-off), per channel: what the picture is
-    /// short of by at most, in a scene of radiance 1.
+    /// Weight of each pixel's ended rays, per channel, by whatever limit. In a scene of radiance 1 the pixel lacks at
+    /// most this much.
     pub truncated: Film,
-    /// The limit that ended most of each pixel's truncated weight, in the order of the film's pixels.
+    /// Limit that ended most of each pixel's truncated weight, in the order of the film's pixels.
     pub limits: Vec<Option<Limit>>,
-    /// Visible light that the picture lacks for it, where the caller looked for that.
+    /// Visible light that the picture lacks because of limits, if the caller measured it.
     pub shortfall: Option<Shortfall>,
-    /// Rays traced, by kind and depth.
+    /// Number of rays traced, by kind and depth.
     pub rays: RayCounts,
-    /// Contributions that were NaN or infinite; left out of the picture.
+    /// Number of contributions left out because they were NaN or infinite.
     pub non_finite: u64,
-    /// Contributions too large for the accumulator (beyond 2^62); clamped to it.
+    /// Number of contributions clamped because they exceeded 2^62.
     pub clamped: u64,
-    /// Rays that left a medium they had never entered: open or inside-out surfaces, or hits that a back end lost.
+    /// Number of rays that left a medium they had never entered: through open or inside-out surfaces, or after a hit
+    /// that the back end missed.
     pub unmatched_exits: u64,
-    /// Objects that they left it through, each with its exits, the worst first.
+    /// Objects through which they left, each with its number of exits, the worst first.
     pub unmatched_objects: Vec<(u32, u64)>,
-    /// Streams that each stage worked on; none by the `f64` renderer, which has no stages.
+    /// Number of streams per stage. All 0 from the `f64` renderer, which has no stages.
     pub streams: StreamCounts,
-    /// Objects that rays met, and light that reached them.
+    /// Objects that rays hit, and light that reached them.
     pub seen: Seen,
-    /// Touching surfaces.
+    /// Touching surfaces found in the scene.
     pub touching: TouchingFound,
 }
 
-/// Touching surfaces that were found before the first ray.
+/// Touching surfaces found before the first ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TouchingFound {
-    /// Pairs of objects that touch.
+    /// Number of pairs of objects that touch.
     pub pairs: usize,
     /// Wall time of the search.
     pub time: Duration,
 }
 
-/// Objects that the rays of a picture met, and light that reached them.
+/// Objects that the rays of a picture hit, and light that reached them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
-    /// By object: met by a ray of any depth that is no shadow ray. Empty where nothing was traced.
+    /// By object: true if a ray of any depth, other than a shadow ray, hit it. Empty where nothing was traced.
     pub objects: Vec<bool>,
-    /// Camera rays that met nothing.
+    /// Number of camera rays that hit nothing.
     pub missed: u64,
     /// True if any surface sent light of a lamp to the picture.
     pub lit: bool,
 }
 
 impl Seen {
-    /// Adds what other rays of the same picture met.
+    /// Adds the observations of other rays of the same picture.
     pub fn merge(&mut self, o: &Self) {
         self.objects.resize(self.objects.len().max(o.objects.len()), false);
         self.objects.iter_mut().zip(&o.objects).for_each(|(met, &other)| *met |= other);
@@ -66,20 +67,20 @@ impl Seen {
     }
 }
 
-/// The stages of a render, for counting.
+/// Stage of a render, for counting streams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Absorption.
     Medium,
     /// The environment.
     Miss,
-    /// From hits to surfaces.
+    /// Conversion of hits to surface points.
     Gather,
-    /// Mirrors, traced or of the environment.
+    /// Mirrors, whether traced or of the environment.
     Mirror,
     /// Metals.
     Conductor,
-    /// Boundaries that refract.
+    /// Refracting boundaries.
     Dielectric,
     /// Thin panes.
     Thin,
@@ -87,35 +88,35 @@ pub enum Stage {
     Coated,
     /// Covers with holes.
     Alpha,
-    /// Emission, ambient and albedo.
+    /// Emission, ambient light and albedo.
     Base,
-    /// Lights.
+    /// Lights without extent.
     Light,
-    /// Lamps with an extent.
+    /// Area lamps.
     Lamp,
     /// Shadow rays.
     Shadow,
-    /// Shadow rays straight through transmissive surfaces.
+    /// Shadow rays through transmissive surfaces.
     Pass,
 }
 
 impl Stage {
-    /// How many there are.
+    /// Number of stages.
     pub const COUNT: usize = Self::Pass as usize + 1;
 }
 
-/// Streams by stage.
+/// Number of streams by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StreamCounts([u64; Stage::COUNT]);
 
 impl StreamCounts {
-    /// Streams that a stage worked on.
+    /// Returns the number of streams that ran through a stage.
     #[must_use]
     pub fn of(&self, stage: Stage) -> u64 {
         self.0[stage as usize]
     }
 
-    /// Counts one more.
+    /// Counts one stream.
     pub(super) fn count(&mut self, stage: Stage) {
         self.0[stage as usize] += 1;
     }
@@ -126,16 +127,16 @@ impl StreamCounts {
     }
 }
 
-/// What a ray was sent for.
+/// Purpose of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RayKind {
-    /// From the camera.
+    /// Ray from the camera.
     Camera,
-    /// Mirrored off a surface.
+    /// Ray reflected by a surface.
     Reflected,
-    /// Bent into or passed through a surface.
+    /// Ray refracted into, or passed through, a surface.
     Transmitted,
-    /// Towards a light.
+    /// Ray towards a light.
     Shadow,
 }
 
@@ -143,7 +144,7 @@ impl RayKind {
     /// All kinds, in the order of [`RayCounts::by_depth`].
     pub const ALL: [Self; 4] = [Self::Camera, Self::Reflected, Self::Transmitted, Self::Shadow];
 
-    /// The name in reports.
+    /// Returns the name used in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -155,11 +156,11 @@ impl RayKind {
     }
 }
 
-/// Rays by kind and depth.
+/// Number of rays by kind and depth.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
-    /// `by_depth[d][k]`: rays of kind `RayKind::ALL[k]` at depth `d`. Camera rays have depth 0; a shadow ray has the
-    /// depth of the ray whose hit sent it.
+    /// `by_depth[d][k]` counts the rays of kind `RayKind::ALL[k]` at depth `d`. Camera rays have depth 0. A shadow ray
+    /// has the depth of the ray whose hit sent it.
     pub by_depth: Vec<[u64; 4]>,
 }
 
@@ -181,13 +182,13 @@ impl RayCounts {
         }
     }
 
-    /// Rays of one kind at all depths.
+    /// Returns the number of rays of one kind at all depths.
     #[must_use]
     pub fn of(&self, kind: RayKind) -> u64 {
         self.by_depth.iter().map(|row| row[kind as usize]).sum()
     }
 
-    /// All rays.
+    /// Returns the number of all rays.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.by_depth.iter().flatten().sum()

@@ -1,55 +1,54 @@
-//! Where on a lamp with an extent its samples lie.
+//! Sample points on area lamps.
 //!
-//! The points of a place depend on its pixel, on which of the pixel's camera rays it comes of, on how often that ray
-//! was reflected or refracted, and on the lamp; on nothing that has to do with how rays are grouped. Both renderers
-//! take the same ones. Places that share all four share the points, which costs nothing but a little of the averaging
-//! between them.
+//! The samples at a shaded point depend on its pixel, the camera ray's index within the pixel, the depth, and the lamp.
+//! They do not depend on how rays are grouped, and both renderers use the same ones. Shaded points that agree in all
+//! four share their samples; this only loses a little of the averaging between them.
 //!
-//! Sobol's first two dimensions, scrambled after Owen 1995 with the hash of Laine & Karras 2011 in the constants of
-//! Vegdahl 2021, as Burley 2020 ("Practical hash-based Owen scrambling", JCGT 9(4)) does it. Any aligned power of two
-//! of the points is a (0, m, 2)-net in base 2: every box of that share of the square's area, however it is halved, has
-//! one of them. Counts that are powers of two make best use of that.
+//! The points are Sobol's first two dimensions with Owen scrambling (Owen 1995), computed with the hash of Laine &
+//! Karras 2011 and the constants of Vegdahl 2021, as in Burley 2020 ("Practical hash-based Owen scrambling", JCGT
+//! 9(4)). Any aligned power of two of the points is a (0, m, 2)-net in base 2: every elementary box of that share of
+//! the square's area holds exactly one. Sample counts that are powers of two make best use of that.
 
 use crate::scene::{LampSampling, Pattern};
 use crate::simd::F32x8;
 
-/// One camera ray: the pixel it belongs to, by column and row, and its number within that.
+/// One camera ray: its pixel and its index within the pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FilmRay {
     /// Column and row.
     pub pixel: [u32; 2],
-    /// Which of the pixel's rays, from 0.
+    /// Index of the ray within the pixel, from 0.
     pub sample: u32,
 }
 
-/// What scrambles the points of one place and lamp.
+/// Scrambling key for the samples of one shaded point and lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scramble(u32);
 
-/// The points of all places.
+/// Generator of lamp samples for all shaded points.
 #[derive(Clone, Debug)]
 pub struct LampPoints {
     sampling: LampSampling,
-    /// The cells of a grid, such that the first four lie in its four quarters.
+    /// Centres of the cells of a grid, ordered so that the first four lie in its four quarters. Empty for Sobol points.
     cells: Vec<[f32; 2]>,
 }
 
 impl LampPoints {
-    /// The points that the settings ask for.
+    /// Creates the generator for these settings.
     #[must_use]
     pub fn new(sampling: &LampSampling) -> Self {
         let cells = if sampling.pattern == Pattern::Grid { grid(sampling.count.isqrt()) } else { Vec::new() };
         Self { sampling: *sampling, cells }
     }
 
-    /// How many there are for a place, at least 1.
+    /// Returns the number of samples per shaded point, at least 1.
     #[must_use]
     pub fn count(&self) -> u32 {
         if self.cells.is_empty() { self.sampling.count.max(1) } else { self.cells.len() as u32 }
     }
 
-    /// What scrambles the points where a ray that has been reflected and refracted `depth` times since it left the
-    /// camera through `pixel` meets a surface that the lamp of this number shines on.
+    /// Returns the scrambling key for one shaded point. `depth` is the depth of the ray that hit it, and `lamp` the
+    /// index of the lamp.
     #[inline]
     #[must_use]
     pub fn scramble(&self, pixel: [u32; 2], depth: u32, lamp: u32) -> Scramble {
@@ -60,7 +59,8 @@ impl LampPoints {
         Scramble(key)
     }
 
-    /// The `i`th point, within the unit square, of the `sample`th camera ray of a pixel. Multiples of 2^-24 below 1.
+    /// Returns the `i`th sample, in the unit square, for the `sample`th camera ray of a pixel. Coordinates are
+    /// multiples of 2^-24 below 1.
     #[inline]
     #[must_use]
     pub fn point(&self, by: Scramble, sample: u32, i: u32) -> [f32; 2] {
@@ -70,7 +70,7 @@ impl LampPoints {
         self.number(sample, i).scrambled(by).map(fraction)
     }
 
-    /// The same for eight places.
+    /// Returns the `i`th sample for eight shaded points, as [`Self::point`] does for one.
     #[inline(always)]
     #[must_use]
     pub fn points8(&self, by: &[Scramble; 8], sample: u32, i: u32) -> [F32x8; 2] {
@@ -85,12 +85,12 @@ impl LampPoints {
     #[inline(always)]
     fn number(&self, sample: u32, i: u32) -> Sobol {
         let number = sample.wrapping_mul(self.count()).wrapping_add(i);
-        // The first dimension is the number with its bits reversed.
+        // The first dimension is the index with its bits reversed.
         Sobol { reversed: [number, second_dimension(number).reverse_bits()] }
     }
 }
 
-/// A point of Sobol's sequence, the bits of both coordinates reversed.
+/// Point of Sobol's sequence, with the bits of both coordinates reversed.
 #[derive(Clone, Copy)]
 struct Sobol {
     reversed: [u32; 2],
@@ -108,13 +108,13 @@ fn fraction(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// The middles of a square grid's cells, those in the middles of its quarters first.
+/// Returns the centres of a square grid's cells, those in the middles of its quarters first.
 fn grid(side: u32) -> Vec<[f32; 2]> {
     let middle = |k: u32| ((f64::from(k) + 0.5) / f64::from(side)) as f32;
     let mut cells: Vec<[u32; 2]> = (0..side).flat_map(|y| (0..side).map(move |x| [x, y])).collect();
     let (low, high) = (side / 4, side - 1 - side / 4);
     for (front, cell) in [[low, low], [high, high], [high, low], [low, high]].into_iter().enumerate() {
-        // A grid of one cell or of four has its quarters in their places.
+        // In a grid of one or of four cells the quarters are already in place.
         if let Some(at) = cells.iter().skip(front).position(|&c| c == cell) {
             cells.swap(front, front + at);
         }
@@ -122,7 +122,7 @@ fn grid(side: u32) -> Vec<[f32; 2]> {
     cells.into_iter().map(|cell| cell.map(middle)).collect()
 }
 
-/// The hash of Burley's appendix ("lowbias32" by Wellons).
+/// Hash from Burley's appendix ("lowbias32" by Wellons).
 #[inline(always)]
 const fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
@@ -132,8 +132,8 @@ const fn mix(mut x: u32) -> u32 {
     x ^ x >> 16
 }
 
-/// A number of reversed bits, scrambled after Owen and put back in order: each bit is flipped by a hash of the bits
-/// above it in the result.
+/// Scrambles a number of reversed bits after Owen, and reverses them back: each bit is flipped by a hash of the higher
+/// bits of the result.
 #[inline(always)]
 const fn scrambled(mut reversed: u32, seed: u32) -> u32 {
     reversed ^= reversed.wrapping_mul(0x3d20_adea);
@@ -144,7 +144,7 @@ const fn scrambled(mut reversed: u32, seed: u32) -> u32 {
     reversed.reverse_bits()
 }
 
-/// Sobol's second dimension: the direction numbers of the polynomial x + 1, which are Pascal's triangle modulo 2.
+/// Returns Sobol's second dimension. The direction numbers of the polynomial x + 1 are Pascal's triangle modulo 2.
 #[inline(always)]
 const fn second_dimension(number: u32) -> u32 {
     let (mut x, mut direction, mut left) = (0, 1 << 31, number);
@@ -166,7 +166,7 @@ mod tests {
         LampPoints::new(&LampSampling { count, pattern, seed, probe: true })
     }
 
-    /// How many of the points lie in each box when the sides are cut into `2^a` and `2^b`.
+    /// Number of points in each box when the sides are cut into `2^a` and `2^b` parts.
     fn boxes(points: &[[f32; 2]], a: u32, b: u32) -> Vec<u32> {
         let mut found = vec![0; 1 << (a + b)];
         for [x, y] in points {
@@ -240,7 +240,8 @@ mod tests {
         let lamp = points(16, Pattern::Sobol, 0);
         let firsts: Vec<_> = (0..4096).map(|i| lamp.point(lamp.scramble([i % 64, i / 64], 0, 0), 0, 0)).collect();
         let found = boxes(&firsts, 3, 3);
-        // 64 expected in each of 64 boxes: chi squared of 63 degrees of freedom, below 114 with a chance of 0.9999.
+        // 64 points are expected in each of 64 boxes. Chi squared with 63 degrees of freedom is below 114 with
+        // probability 0.9999.
         let chi: f64 = found.iter().map(|&n| (f64::from(n) - 64.0).powi(2) / 64.0).sum();
         assert!(chi < 114.0, "{chi} {found:?}");
     }

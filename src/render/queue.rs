@@ -1,4 +1,4 @@
-//! Streams of rays that wait to be traced, and what the renderer knows of each beside the ray itself.
+//! Queues of rays that wait to be traced, with the state of each ray.
 
 use glam::Vec3;
 
@@ -11,19 +11,19 @@ use crate::simd::{F32x8, Vec3x8};
 /// Eight linear colours.
 pub type Rgb8 = Vec3x8;
 
-/// What travels beside a `Ray8`.
+/// State of the eight rays of a `Ray8`.
 #[derive(Clone, Copy, Debug)]
 pub struct State8 {
-    /// How much of what the ray brings reaches the pixel, per channel.
+    /// Throughput: factor per channel between the ray's radiance and its contribution to the pixel.
     pub weight: Rgb8,
-    /// The pixel, counted within the tile.
+    /// Index of the pixel within the tile.
     pub pixel: [u32; 8],
-    /// The media around the ray.
+    /// Media around the ray.
     pub stack: [StackId; 8],
-    /// How far the ray's start lies from the surface it leaves, along the ray: absorption counts from the surface.
+    /// Distance, along the ray, from the surface it leaves to its origin. Absorption counts from the surface.
     pub lead: F32x8,
-    /// Surfaces in a row that it has passed and that were not there; or, on its way through touching surfaces, what
-    /// [`super::touch`] makes of it.
+    /// Number of consecutive surfaces that the ray has passed; or, on its way through touching surfaces, a value
+    /// encoded by [`super::touch`].
     pub passes: [u32; 8],
 }
 
@@ -39,71 +39,71 @@ impl Default for State8 {
     }
 }
 
-/// Rays in full packets (but for one), with their states.
+/// Queue of rays and their states, in packets that are full except for at most one.
 #[derive(Debug, Default)]
 pub struct Queue {
-    /// Packets; all but one at most have eight active lanes.
+    /// Packets. At most one has fewer than eight active lanes.
     pub rays: Vec<Ray8>,
-    /// One for each packet.
+    /// States, one per packet.
     pub states: Vec<State8>,
-    /// One for each packet, where `carries`; else none.
+    /// Extras, one per packet if `carries`; else empty.
     pub extras: Vec<Extra8>,
-    /// Whether rays carry extras.
+    /// True if rays carry extras.
     carries: bool,
-    /// The packet that is being filled, while it has free lanes.
+    /// Index of the packet that is being filled, valid while it has free lanes.
     filling: usize,
-    /// How many it has.
+    /// Number of free lanes in that packet.
     free: usize,
 }
 
-/// Rays about to be queued: eight lanes of everything.
+/// Eight rays to be queued.
 #[derive(Clone, Copy, Debug)]
 pub struct Spawn8<'a> {
-    /// Where they start.
+    /// Origins.
     pub origin: Vec3x8,
-    /// Where they go, of unit length.
+    /// Unit directions.
     pub dir: Vec3x8,
-    /// Where they end.
+    /// Ends of the rays' intervals.
     pub t_max: F32x8,
-    /// The kinds of geometry they look for.
+    /// Classes of geometry that the rays can hit.
     pub admits: GeometryMask,
-    /// Their weights.
+    /// Throughputs.
     pub weight: Rgb8,
-    /// Their pixels.
+    /// Indices of the pixels within the tile.
     pub pixel: &'a [u32; 8],
-    /// The media around them.
+    /// Media around the rays.
     pub stack: &'a [StackId; 8],
-    /// Distances along the rays from the surfaces they leave to their starts.
+    /// Distances along the rays from the surfaces they leave to their origins.
     pub lead: F32x8,
-    /// Surfaces passed that were not there.
+    /// Numbers of consecutive surfaces passed.
     pub passes: &'a [u32; 8],
-    /// Place of the surface they leave in the stream at hand, as [`super::surface::Surface8`] has it.
+    /// Index, in the current stream, of the packet of surfaces that they leave; see [`super::surface::Surface8`].
     pub place: u32,
-    /// What they carry, where extras are carried and they do not start afresh.
+    /// Extras, if rays carry extras and these do not start afresh.
     pub extra: Option<&'a Extra8>,
 }
 
 impl Queue {
-    /// An empty one, whose rays carry extras or not.
+    /// Creates an empty queue. `carries` says whether its rays carry extras.
     #[must_use]
     pub fn new(carries: bool) -> Self {
         Self { carries, ..Self::default() }
     }
 
-    /// How many rays wait.
+    /// Returns the number of rays in the queue.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rays.len() * 8 - self.free
     }
 
-    /// Whether none wait.
+    /// Returns true if the queue holds no packet.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rays.is_empty()
     }
 
-    /// Appends the lanes in `lanes`. Eight rays are a packet as they come, whatever is being filled meanwhile; but extras
-    /// are found by counting rays, and need their order.
+    /// Appends the rays in `lanes`. Eight rays become a packet at once, even while another packet is being filled.
+    /// Queues with extras keep the order instead, because extras are found by counting rays.
     #[inline]
     pub fn push8(&mut self, lanes: u8, new: &Spawn8) {
         if lanes != u8::MAX || self.carries {
@@ -114,8 +114,8 @@ impl Queue {
         self.states.push(State8 { weight, pixel: *new.pixel, stack: *new.stack, lead, passes: *new.passes });
     }
 
-    /// Appends the lanes in `lanes`, lowest first, filling packets without gaps: where nothing else appends, rays lie in
-    /// the order they came in.
+    /// Appends the rays in `lanes`, lowest first, filling packets without gaps. If all rays are appended this way, they
+    /// keep their order.
     pub fn push_in_order(&mut self, lanes: u8, new: &Spawn8) {
         if self.carries {
             self.push_extras(lanes, new);
@@ -149,7 +149,7 @@ impl Queue {
         }
     }
 
-    /// The extras of rays that are about to be pushed.
+    /// Appends the extras of rays that are about to be pushed.
     #[cold]
     fn push_extras(&mut self, lanes: u8, new: &Spawn8) {
         let extra = new.extra.copied().unwrap_or_else(|| Extra8::fresh(new.dir));
@@ -161,7 +161,7 @@ impl Queue {
         }
     }
 
-    /// Moves the last packets, `packets` of them at most, to the end of `chunk`.
+    /// Moves the last packets, at most `packets` of them, to the end of `chunk`.
     pub fn take(&mut self, packets: usize, chunk: &mut Chunk) {
         let keep = self.rays.len().saturating_sub(packets);
         chunk.rays.extend(self.rays.drain(keep..));
@@ -175,26 +175,26 @@ impl Queue {
     }
 }
 
-/// Packets being traced and shaded now.
+/// Packets that are being traced and shaded.
 #[derive(Debug, Default)]
 pub struct Chunk {
     /// Rays.
     pub rays: Vec<Ray8>,
-    /// One for each packet of rays.
+    /// States, one per packet.
     pub states: Vec<State8>,
-    /// One for each packet of rays, where extras are carried; else none.
+    /// Extras, one per packet if rays carry extras; else empty.
     pub extras: Vec<Extra8>,
 }
 
 impl Chunk {
-    /// Forgets its packets, keeps its memory.
+    /// Removes all packets and keeps the memory.
     pub fn clear(&mut self) {
         self.rays.clear();
         self.states.clear();
         self.extras.clear();
     }
 
-    /// Active rays.
+    /// Returns the number of active rays.
     #[must_use]
     pub fn len(&self) -> u64 {
         self.rays.iter().map(|r| u64::from(r.active.count_ones())).sum()
@@ -205,7 +205,7 @@ impl Chunk {
 mod tests {
     use super::*;
 
-    /// Pushes rays each of which bears its pixel's number as a coordinate, counted on from `first`.
+    /// Pushes rays whose coordinates encode their pixel's index, counted from `first`.
     fn push(queue: &mut Queue, lanes: u8, first: u32) {
         let pixel: [u32; 8] = std::array::from_fn(|k| first + k as u32);
         queue.push8(
@@ -226,7 +226,7 @@ mod tests {
         );
     }
 
-    /// The pixels of a queue's last packets, packet by packet, once everything else about their rays is found to fit.
+    /// Takes a queue's last packets, checks the states of their rays, and returns their pixels by packet.
     fn taken(queue: &mut Queue, packets: usize) -> Vec<Vec<u32>> {
         let mut chunk = Chunk::default();
         queue.take(packets, &mut chunk);
@@ -258,7 +258,7 @@ mod tests {
         let eight = |first: u32| -> Vec<u32> { (first..first + 8).collect() };
         assert_eq!(taken(&mut queue, 2), [eight(30), vec![57]]);
         assert_eq!(queue.len(), 16);
-        // The packet that was being filled is gone.
+        // The packet that was being filled has been taken.
         push(&mut queue, 0b10, 60);
         assert_eq!(queue.len(), 17);
         assert_eq!(taken(&mut queue, usize::MAX), [vec![0, 2, 20, 21, 22, 54, 55, 56], eight(10), vec![61]]);

@@ -1,4 +1,5 @@
-//! What the stages of one thread share: the scene, the sums of its pixels and the rays that wait. Knows no accelerator.
+//! Shading state of one thread, shared by its stages: the scene, the pixel sums and the ray queues. Independent of the
+//! accelerator.
 
 use super::accumulate::Accumulator;
 use super::budget::divide;
@@ -25,12 +26,12 @@ use crate::optics::{Oliveira, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// What makes up for tolls that were rounded down to `f32`.
+/// Factor that makes up for rounding tolls down to `f32`.
 const ROUNDED_UP: f32 = 1.0 + 1e-6;
 
-/// Rays whose end is still to be decided.
+/// Secondary rays held back until budgets decide which of them end.
 #[derive(Clone, Debug)]
-struct Held {
+struct HeldRays {
     lanes: u8,
     kind: RayKind,
     origin: Vec3x8,
@@ -44,54 +45,54 @@ struct Held {
     extra: Extra8,
 }
 
-/// Everything a stage reads and writes, kept from tile to tile.
+/// State that stages read and write, reused from tile to tile.
 #[derive(Debug)]
 pub struct Shading<'a> {
     pub scene: &'a Scene,
     pub media: MediaTable<'a>,
     /// Touching surfaces, and the rays between their layers.
     pub touching: Touching<'a>,
-    /// Arrivals of the chunk's rays, and of their shadow rays, at places where surfaces touch.
+    /// Arrivals of the chunk's rays and of their shadow rays where surfaces touch.
     pub arrivals: Arrivals,
     pub shadow_arrivals: Arrivals,
-    /// The constant of the one refraction formula that has any.
+    /// Constant of Oliveira's refraction formula.
     pub oliveira: Oliveira,
-    /// What becomes of reflected light.
+    /// Stage for reflected light.
     pub reflect: ReflectStage,
-    /// What stops a shadow ray at once.
+    /// Classes of geometry that block a shadow ray.
     pub shadow_admits: GeometryMask,
-    /// How often a ray may reflect or refract.
+    /// Largest number of reflections and refractions along a path.
     pub max_depth: usize,
-    /// The weight below which rays end.
+    /// Throughput below which rays end.
     pub cutoff: f32,
-    /// Whether rays carry extras.
+    /// True if rays carry extras.
     pub carries: bool,
-    /// Extras of the rays that met the surfaces of the stream at hand, by place; none where none are carried.
+    /// Extras of the rays that hit the current stream's surfaces, by packet. Empty if rays carry none.
     pub extras: Vec<Extra8>,
-    /// What rays of weight 1 cost at most, where a budget decides which end.
+    /// Upper bounds on the tolls of rays of weight 1, if budgets decide which rays end.
     pub tolls: Option<&'a Ceiling>,
-    /// Rays of the stream at hand for which that is still to be decided.
-    held: Vec<Held>,
+    /// Rays of the current stream that [`Self::settle`] has yet to decide on.
+    held: Vec<HeldRays>,
     pub accumulator: Accumulator,
     pub counts: RayCounts,
     pub unmatched_exits: UnmatchedExits,
     pub streams: StreamCounts,
-    /// Whether light ends where it would be reflected totally.
+    /// True if light ends where it would be totally reflected.
     pub total_is_lost: bool,
-    /// By depth; reflected and transmitted rays apart, since they part ways.
+    /// Queues by depth; reflected and transmitted rays are kept apart because their directions differ.
     queues: Vec<[Queue; 2]>,
     pub shadows: Queue,
-    /// Where lamps with an extent are sampled.
+    /// Sample points on area lamps.
     pub points: LampPoints,
-    /// Finds what lies between a place and a lamp; none where all points of lamps get shadow rays.
+    /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     pub shafts: Option<&'a Shafts<'a>>,
-    /// The tile whose pixels these are, and which of their camera rays is under way.
+    /// Current tile, and index of the current camera ray within its pixel.
     pub tile: Tile,
     pub sample: u32,
 }
 
 impl<'a> Shading<'a> {
-    /// Nothing summed and nothing queued.
+    /// Creates the state with nothing summed and nothing queued.
     pub fn new(
         scene: &'a Scene,
         bodies: &'a Bodies,
@@ -135,13 +136,13 @@ impl<'a> Shading<'a> {
         }
     }
 
-    /// Column and row in the picture of a pixel of the tile.
+    /// Returns the column and row, in the picture, of a pixel of the tile.
     #[inline]
     pub fn film_pixel(&self, pixel: u32) -> [u32; 2] {
         [self.tile.x + pixel % self.tile.width, self.tile.y + pixel / self.tile.width]
     }
 
-    /// The queue for rays of one kind at one depth.
+    /// Returns the queue for rays of one kind at one depth.
     pub fn queue(&mut self, kind: RayKind, depth: usize) -> &mut Queue {
         if self.queues.len() <= depth {
             let carries = self.carries;
@@ -150,8 +151,9 @@ impl<'a> Shading<'a> {
         &mut self.queues[depth][usize::from(kind == RayKind::Transmitted)]
     }
 
-    /// The deepest queue that holds `enough` rays for a long stream; where none does, the shallowest that holds any, whose
-    /// children join those that wait below. So no queue holds more than the children of two streams.
+    /// Returns the deepest queue with at least `enough` rays for a long stream. If there is none, returns the
+    /// shallowest non-empty queue, whose children join the rays that wait below. So no queue holds more than the
+    /// children of two streams.
     pub fn next_queue(&self, enough: usize) -> Option<(usize, RayKind)> {
         let longer = |(depth, [reflected, transmitted]): (usize, &[Queue; 2])| {
             if transmitted.len() > reflected.len() {
@@ -165,29 +167,29 @@ impl<'a> Shading<'a> {
         full.or_else(|| queues().find(|&(.., rays)| rays > 0)).map(|(depth, kind, _)| (depth, kind))
     }
 
-    /// Queues secondary rays of a hit at `depth`, but for those that the depth limit or the cut-off ends.
+    /// Queues the secondary rays of a hit at `depth`, except for those that the depth limit or the cut-off ends.
     pub fn spawn(&mut self, lanes: u8, new: &Spawn8, kind: RayKind, depth: usize) {
         if self.tolls.is_some() {
             return self.hold(lanes, new, kind);
         }
-        // Of a wavelength, a channel may weigh less than nothing.
+        // The rays of a single wavelength can have negative channels.
         let heaviest = new.weight.abs().max_component();
         let carrying = lanes & !heaviest.eq(F32x8::ZERO).bits();
         if depth >= self.max_depth {
             return self.accumulator.add_ended8(Limit::Depth, carrying, new.pixel, &new.weight);
         }
-        // A NaN weight compares false and lives on, to be counted where it lands.
+        // A NaN weight compares false. The ray continues and is counted where its contribution is added.
         let light = heaviest.lt(F32x8::from(self.cutoff)).bits();
         let ended = carrying & light;
         self.accumulator.add_cut8(ended, new.pixel, &new.weight);
         self.queue(kind, depth + 1).push8(carrying & !ended, new);
     }
 
-    /// Keeps rays until all that their surface sends is known.
+    /// Holds rays back until all secondary rays of their surface are known.
     #[cold]
     fn hold(&mut self, lanes: u8, new: &Spawn8, kind: RayKind) {
         let carrying = lanes & !new.weight.max_component().eq(F32x8::ZERO).bits();
-        self.held.push(Held {
+        self.held.push(HeldRays {
             lanes: carrying,
             kind,
             origin: new.origin,
@@ -202,20 +204,20 @@ impl<'a> Shading<'a> {
         });
     }
 
-    /// Divides the budgets of the rays of depth `depth` that met the surfaces of the stream at hand, and queues what
-    /// they pay for.
+    /// Divides the budgets of the rays of depth `depth` that hit the current stream's surfaces, and queues the rays
+    /// that the budgets do not cut.
     pub fn settle(&mut self, depth: usize) {
         let Some(tolls) = self.tolls else { return };
         let toll = Vec3x8::splat(tolls.at(depth + 1).as_vec3() * ROUNDED_UP);
         let too_deep = depth >= self.max_depth;
         let held = std::mem::take(&mut self.held);
         for family in held.chunk_by(|a, b| a.place == b.place) {
-            let costs = |ray: &Held| {
+            let costs = |ray: &HeldRays| {
                 let zero = Vec3x8::splat(Rgb::ZERO);
                 Vec3x8::select(Mask8::from_bits(ray.lanes), ray.weight.times(toll), zero)
             };
             let mut budget = self.extras[family[0].place as usize].budget();
-            // Lanes in which all that is left is paid for.
+            // Lanes in which the budget pays for all remaining rays.
             let mut paid = 0_u8;
             for (k, ray) in family.iter().enumerate() {
                 let rest = family[k + 1..].iter().fold(Vec3x8::splat(Rgb::ZERO), |sum, other| sum + costs(other));
@@ -247,7 +249,7 @@ impl<'a> Shading<'a> {
         self.held.clear();
     }
 
-    /// Looks up the extras of the rays that met a stream of surfaces, and numbers these.
+    /// Gathers the extras of the rays that hit a stream of surfaces, and numbers the surfaces' packets.
     pub fn carry(&mut self, chunk: &Chunk, refs: &[HitRef], surfaces: &mut [Surface8]) {
         self.extras.clear();
         for ((place, surface), refs) in surfaces.iter_mut().enumerate().zip(refs.chunks(8)) {
@@ -261,19 +263,20 @@ impl<'a> Shading<'a> {
         }
     }
 
-    /// What the rays that met a surface carry, where anything is carried.
+    /// Returns the extras of the rays that hit `surface`, if rays carry extras.
     #[inline(always)]
     pub fn extra(&self, surface: &Surface8) -> Option<Extra8> {
         self.extras.get(surface.place as usize).copied()
     }
 
-    /// The interface of each lane's material.
+    /// Returns the interface of lane `k`'s material.
     #[inline(always)]
     pub fn interface(&self, surface: &Surface8, k: usize) -> &'a Interface {
         &self.scene.materials[surface.material[k] as usize].interface
     }
 
-    /// The transition at the surface of a lane, or at all surfaces of its place; none where it bounds no medium.
+    /// Returns the transition at the surface of lane `k`, or at all surfaces that coincide there. Returns `None` if the
+    /// surface bounds no medium.
     pub fn transition(&mut self, surface: &Surface8, k: usize) -> Option<Transition> {
         if let Some(crossed) = self.arrivals.crossed(surface, k) {
             return Some(self.media.cross_all(surface.stack[k], crossed));
@@ -282,7 +285,7 @@ impl<'a> Shading<'a> {
         Some(self.media.cross(surface.stack[k], body, surface.front.lane(k)))
     }
 
-    /// A colour per lane from its material's interface.
+    /// Gathers a colour per lane from the interfaces of the materials.
     #[inline(always)]
     pub fn colours(&self, surface: &Surface8, colour: impl Fn(&Interface) -> Rgb) -> Rgb8 {
         let mut out = Vec3x8::splat(Rgb::ZERO);
@@ -292,8 +295,7 @@ impl<'a> Shading<'a> {
         out
     }
 
-    /// What the media on top of the stacks leave of light over `t`; `None` where none of `lanes` is in a medium that
-    /// absorbs.
+    /// Returns the transmittance of the top media over `t`, or `None` if no lane of `lanes` is in an absorbing medium.
     #[inline]
     pub fn absorbed(&self, lanes: u8, stack: &[StackId; 8], t: F32x8) -> Option<Rgb8> {
         let mut coefficient = Vec3x8::splat(Rgb::ZERO);
@@ -308,7 +310,7 @@ impl<'a> Shading<'a> {
     }
 }
 
-/// Whether white light divides into wavelengths anywhere, or is asked whether it does.
+/// Returns true if some medium disperses white light, or if the pipeline assumes that one may.
 #[must_use]
 pub fn disperses(scene: &Scene, options: &Options) -> bool {
     options.effects.pipeline == Pipeline::All || scene.media.iter().any(Medium::disperses)

@@ -1,4 +1,4 @@
-//! Light on its way to a surface: what is in between.
+//! Occlusion of lamp light: tracing of shadow rays.
 
 use super::lamp::before_lamp;
 use super::outcome::{RayKind, Stage};
@@ -13,7 +13,7 @@ use crate::geometry::{GeometryMask, Hit8};
 use crate::simd::Mask8;
 
 impl<I: Intersector> Worker<'_, I> {
-    /// Traces the shadow rays that wait, sent by hits at `depth`, and adds what gets through to their pixels.
+    /// Traces the queued shadow rays of hits at `depth`, and adds the light that arrives to their pixels.
     pub(super) fn flush_shadows(&mut self, depth: usize, coherence: Coherence) {
         if self.shading.shadows.is_empty() {
             return;
@@ -27,7 +27,7 @@ impl<I: Intersector> Worker<'_, I> {
         self.shadow_chunk = chunk;
     }
 
-    /// Leaves those rays active whose light arrives, with the weight that it arrives with.
+    /// Traces the shadow rays. Rays whose light arrives stay active, with the weight that arrives.
     fn trace_shadows(&mut self, chunk: &mut Chunk, depth: usize, coherence: Coherence) {
         self.shading.streams.count(Stage::Shadow);
         self.shading.counts.add(RayKind::Shadow, depth, chunk.len());
@@ -36,7 +36,8 @@ impl<I: Intersector> Worker<'_, I> {
         blocked.resize(chunk.rays.len(), Mask8::NONE);
         self.cut_short(chunk);
         if self.stages.march.is_none() && self.stages.touching {
-            // Whatever the ray is still to pass at its start stops it: what is held back is not put back.
+            // A ray that would pass further layers of its own start is blocked by them, so held-back rays need not be
+            // restored.
             self.shading.shadow_arrivals.hold_back(chunk);
         }
         self.accel.occluded(&chunk.rays, &mut blocked, coherence, &mut self.scratch);
@@ -50,7 +51,7 @@ impl<I: Intersector> Worker<'_, I> {
         }
     }
 
-    /// Ends the rays before whatever their lamps stand on, and keeps their lengths for [`Worker::restore`].
+    /// Ends the rays slightly before their lamps, and saves their lengths for [`Worker::restore`].
     fn cut_short(&mut self, chunk: &mut Chunk) {
         self.shadow_ends.clear();
         self.shadow_ends.extend(chunk.rays.iter().map(|ray| ray.t_max));
@@ -59,15 +60,15 @@ impl<I: Intersector> Worker<'_, I> {
         }
     }
 
-    /// Gives the rays their lengths back, which absorption goes by.
+    /// Restores the lengths of the rays, which absorption depends on.
     fn restore(&self, chunk: &mut Chunk) {
         for (ray, &end) in chunk.rays.iter_mut().zip(&self.shadow_ends) {
             ray.t_max = end;
         }
     }
 
-    /// Takes the unblocked rays over the transmissive surfaces in their way, weakening them at each. Every ray comes
-    /// out with its whole weight settled; one that nothing gets through comes out inactive.
+    /// Marches the unblocked rays through the transmissive surfaces on their way, and multiplies their weights at each.
+    /// Rays that arrive stay active with their final weight; fully absorbed rays become inactive.
     fn march(&mut self, stages: March, chunk: &mut Chunk, coherence: Coherence) {
         let mut arrived = std::mem::take(&mut self.arrived);
         arrived.clear();

@@ -1,4 +1,4 @@
-//! The environment, one type for each kind, so that a stage holds one of them and no branch.
+//! Miss stage: the environment. Each kind is a type, so that a stage contains one kind and no branch.
 
 use super::lookup::{Edge, bilinear, lat_long};
 use super::queue::Rgb8;
@@ -8,22 +8,22 @@ use crate::math::Real;
 use crate::scene::{Environment, Rgb, Texture};
 use crate::simd::{F32x8, Vec3x8};
 
-/// One kind of environment.
+/// Kind of environment.
 pub trait Sky: 'static {
-    /// Its radiance in eight unit directions; black where the environment is of another kind.
+    /// Returns the radiance in eight unit directions, or black if the environment is of another kind.
     fn radiance(environment: &Environment, textures: &[Texture], dir: &Vec3x8) -> Rgb8;
 }
 
-/// The same from everywhere.
+/// Constant radiance.
 pub struct Constant;
 
-/// Blended by height.
+/// Gradient between nadir, horizon and zenith.
 pub struct Gradient;
 
-/// A picture.
+/// Equirectangular picture.
 pub struct LatLong;
 
-/// Whatever the scene has.
+/// Any kind, selected at run time.
 pub struct Any;
 
 impl Sky for Constant {
@@ -72,10 +72,10 @@ impl Sky for Any {
     }
 }
 
-/// Adds what the rays of a chunk see that met nothing.
+/// Function that adds the environment's radiance for the rays of a chunk that hit nothing.
 pub type MissStage = fn(&mut Shading, &Chunk, &[HitRef]);
 
-/// The stage for an environment; none where it is black.
+/// Picks the stage for an environment, or `None` if it is black.
 #[must_use]
 pub fn pick(environment: &Environment) -> Option<MissStage> {
     Some(match environment {
@@ -86,7 +86,7 @@ pub fn pick(environment: &Environment) -> Option<MissStage> {
     })
 }
 
-/// The stage for every environment.
+/// Returns the stage that handles every kind of environment.
 pub fn pick_any() -> MissStage {
     missed::<Any>
 }
@@ -96,7 +96,7 @@ fn missed<S: Sky>(shading: &mut Shading, chunk: &Chunk, misses: &[HitRef]) {
     if scene.environment == Environment::Constant(Rgb::ZERO) {
         return;
     }
-    // Misses of one packet are neighbours in the list and are looked up together.
+    // Misses of one packet are neighbours in the list and share one lookup.
     for packet in misses.chunk_by(|a, b| a >> 3 == b >> 3) {
         let lanes = packet.iter().fold(0_u8, |lanes, miss| lanes | 1 << (miss & 7));
         let place = packet[0] as usize >> 3;

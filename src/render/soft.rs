@@ -1,8 +1,9 @@
-//! The light stages of lamps with an extent: many points, each of which shines as a lamp of its own.
+//! Light stages for area lamps: many sample points, each of which shines like a lamp of its own.
 //!
-//! If the settings say so, each place first looks through the shaft between it and the lamp ([`Shafts`]). Where that is
-//! proven empty, all points shine on it without a shadow ray; where one surface is proven to cover the lamp, none does.
-//! All points get their shadow rays elsewhere. So the picture is that of all shadow rays, whatever the grouping of rays.
+//! If the settings ask for it, each shaded point first tests the shaft between it and the lamp ([`Shafts`]). If the
+//! shaft is proven empty, all samples are lit without shadow rays. If one surface is proven to cover the lamp, no
+//! sample is lit. Otherwise every sample gets its shadow ray. So the picture equals that of all shadow rays, for any
+//! grouping of rays.
 
 use super::base::Base8;
 use super::extent::{Ball, Extent, Seen, Sheet};
@@ -17,30 +18,31 @@ use crate::math::{Real, Vector3};
 use crate::scene::{Falloff, LampSampling, Light, LightKind, Scene, Spread};
 use crate::simd::{F32x8, Vec3x8};
 
-/// Points of a lamp that cost less than looking through a shaft.
+/// Number of samples up to which shadow rays cost less than testing a shaft.
 const TOO_FEW: u32 = 4;
 
-/// Shadow rays that one call of a stage may queue, so that memory does not grow with the number of points.
+/// Largest number of shadow rays queued by one call of a stage, so that memory does not grow with the number of
+/// samples.
 const MOST_QUEUED: usize = 1 << 14;
 
-/// Function that adds the light of one lamp, by its index in the scene, to surfaces with these bases, met by rays of the
-/// depth given.
+/// Function that adds the light of the lamp with the given scene index to surfaces with these bases. The last argument
+/// is the depth of the rays that hit them.
 pub type SoftStage = fn(&mut Shading, usize, &[Surface8], &[Base8], usize);
 
-/// The stages of a lamp with an extent.
+/// Stages of one area lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftStages {
-    /// Whether it casts shadows.
+    /// True if the lamp casts shadows.
     pub shadows: bool,
-    /// Adds its light where it casts none.
-    pub open: SoftStage,
-    /// Adds the light of its points that no shadow ray is needed for, and queues the shadow rays of the others.
-    pub ask: SoftStage,
-    /// Surfaces that are to go through it at a time.
+    /// Adds the lamp's light without testing for shadows.
+    pub unoccluded: SoftStage,
+    /// Adds the light of samples that need no shadow ray, and queues shadow rays for the others.
+    pub shadowed: SoftStage,
+    /// Number of surface packets per call.
     pub surfaces: usize,
 }
 
-/// The stages for a lamp with an extent on surfaces some of which have highlights (`shiny`); none for other lights.
+/// Picks the stages of an area lamp; `shiny` says that some surfaces have highlights. Returns `None` for other lights.
 #[must_use]
 pub fn pick(light: &Light, shiny: bool, sampling: &LampSampling) -> Option<SoftStages> {
     match light.kind {
@@ -51,17 +53,17 @@ pub fn pick(light: &Light, shiny: bool, sampling: &LampSampling) -> Option<SoftS
 }
 
 fn pick_for<L: Lamp>(light: &Light, shiny: bool, sampling: &LampSampling) -> SoftStages {
-    let [open, ask]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
-        (false, false) => [open::<L, false, false>, ask::<L, false, false>],
-        (false, true) => [open::<L, false, true>, ask::<L, false, true>],
-        (true, false) => [open::<L, true, false>, ask::<L, true, false>],
-        (true, true) => [open::<L, true, true>, ask::<L, true, true>],
+    let [unoccluded, shadowed]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
+        (false, false) => [unoccluded::<L, false, false>, shadowed::<L, false, false>],
+        (false, true) => [unoccluded::<L, false, true>, shadowed::<L, false, true>],
+        (true, false) => [unoccluded::<L, true, false>, shadowed::<L, true, false>],
+        (true, true) => [unoccluded::<L, true, true>, shadowed::<L, true, true>],
     };
     let surfaces = (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1);
-    SoftStages { shadows: light.shadows, open, ask, surfaces }
+    SoftStages { shadows: light.shadows, unoccluded, shadowed, surfaces }
 }
 
-/// Returns true if some lamp's shadow rays can be spared by looking through shafts, and the settings ask for it.
+/// Returns true if shaft tests can save shadow rays in this scene and the settings ask for them.
 #[must_use]
 pub fn looks_through_shafts(scene: &Scene) -> bool {
     let lamps = &scene.settings.lamps;
@@ -69,22 +71,22 @@ pub fn looks_through_shafts(scene: &Scene) -> bool {
     lamps.probe && lamps.count > TOO_FEW && scene.lights.iter().any(casts)
 }
 
-/// The view of a lamp from a place.
+/// View of a lamp from a shaded point.
 enum View {
-    /// It does not shine there.
+    /// The lamp is below the horizon of the surface.
     Dark,
-    /// Between them is a shaft.
+    /// The lamp can be seen through a shaft.
     Through(Shaft),
-    /// Rounding leaves open where between them is.
+    /// Rounding leaves the shaft undetermined.
     Unclear,
 }
 
-/// A kind of lamp.
+/// Kind of area lamp.
 trait Lamp: Extent<F32x8> + Sized + 'static {
-    /// The light, where it is of this kind.
+    /// Returns the lamp if the light is of this kind.
     fn of(light: &Light) -> Option<Self>;
 
-    /// The end of the shaft to a light of this kind, from a place. None where the place is within it or beside it.
+    /// Returns the lamp's end of the shaft from a point. `None` if the point is inside the lamp or too close to it.
     fn end(light: &Light, from: Vector3<f32>) -> Option<ShaftEnd>;
 }
 
@@ -102,7 +104,7 @@ impl Lamp for Ball<F32x8> {
         (distance > 1.001 * radius).then(|| ShaftEnd {
             corners: ball.corners(from).map(Into::into),
             across: way / distance,
-            // Rays end on the near side; its rim is the farthest of that.
+            // Rays end on the near side of the ball, whose farthest part is its rim.
             end: distance - radius * radius / distance,
             stop: 1.0 - radius / distance,
             body: Some((way, radius)),
@@ -132,10 +134,10 @@ fn normal_of([u, v]: [glam::Vec3; 2]) -> glam::Vec3 {
     u.as_dvec3().cross(v.as_dvec3()).normalize().as_vec3()
 }
 
-/// One lamp and the places of eight lanes that it shines on.
+/// One lamp and the points of eight lanes that it may light.
 struct Shine<'a, L> {
     lamp: &'a L,
-    /// Of one point.
+    /// Intensity of one sample.
     intensity: Rgb8,
     surface: &'a Surface8,
     base: &'a Base8,
@@ -144,12 +146,12 @@ struct Shine<'a, L> {
     sample: u32,
 }
 
-/// What one point of a lamp sends to eight places.
+/// Light of one lamp sample at eight shaded points.
 struct Sent {
     dir: Vec3x8,
     distance: F32x8,
     light: Rgb8,
-    /// Lanes that it reaches, were nothing in the way.
+    /// Lanes that it reaches if unoccluded.
     lanes: u8,
 }
 
@@ -170,13 +172,13 @@ impl<'a, L: Lamp> Shine<'a, L> {
         Self { lamp, intensity, surface, base, origin, scrambles, sample: shading.sample }
     }
 
-    /// Lanes on whose lit side, by both normals, a direction lies.
+    /// Returns the lanes in which a direction lies on the lit side of both normals.
     fn facing(&self, dir: Vec3x8) -> u8 {
         let facing = dir.dot(self.surface.shading).gt(F32x8::ZERO) & dir.dot(self.surface.normal).gt(F32x8::ZERO);
         facing.bits() & self.surface.base_lanes
     }
 
-    /// The view of the lamp from one lane's place.
+    /// Returns the view of the lamp from one lane's point.
     fn view(&self, light: &Light, lane: usize) -> View {
         let from = self.origin.lane(lane);
         let normal = self.surface.normal.lane(lane);
@@ -188,11 +190,11 @@ impl<'a, L: Lamp> Shine<'a, L> {
         }
     }
 
-    /// Lanes that the whole lamp shines on with nothing in between, and lanes that need a shadow ray for each point.
+    /// Returns the lanes that the whole lamp lights unoccluded, and the lanes that need a shadow ray per sample.
     fn sorted(&self, shading: &Shading, light: &Light, shafts: &Shafts) -> (u8, u8) {
         let (mut clear, mut traced) = (0, 0);
         for lane in super::accumulate::set_lanes(self.surface.base_lanes) {
-            // Layers of a place where surfaces touch are crossed by rays alone.
+            // Where surfaces touch, only rays can cross the layers.
             let layered = self.surface.returning[lane] != 0;
             let content = match self.view(light, lane) {
                 View::Dark => continue,
@@ -244,7 +246,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
     }
 }
 
-fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
+fn unoccluded<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     shading: &mut Shading,
     number: usize,
     surfaces: &[Surface8],
@@ -261,7 +263,7 @@ fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     }
 }
 
-fn ask<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
+fn shadowed<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     shading: &mut Shading,
     number: usize,
     surfaces: &[Surface8],

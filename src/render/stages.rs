@@ -1,8 +1,8 @@
-//! The pipeline of a render: which function each stream of rays goes through at each stage, picked once.
+//! Stages of a render: the function that each stream of rays runs through at each stage, picked once.
 //!
-//! Every stage is specialised over its own few choices only, so that the choices of different stages add up instead of
-//! multiplying, and knows no accelerator, so that all back ends share its code. What no surface of a bin, no light or
-//! no medium calls for is not in the functions that its streams go through.
+//! Each stage is specialised only over the few choices that concern it, so the numbers of variants add up instead of
+//! multiplying. No stage depends on an accelerator, so all back ends share the code. Code for properties that no
+//! surface of a bin, no light and no medium has is not part of the picked functions.
 
 use super::base::{self, BaseStage};
 use super::class::{BINS, Class, bin_has_base, bin_of, class_of};
@@ -20,69 +20,69 @@ use crate::geometry::GeometryMask;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::{Colour, Light, Material, Rgb, Scene, ShadowRule};
 
-/// Hits that go through the stages of a bin at a time: enough to hide what calling a stage costs, few enough that their
-/// surfaces stay in the first-level cache.
+/// Number of hits per stream: enough to hide the cost of calling a stage, few enough that the surfaces stay in the
+/// first-level cache.
 pub const STREAM: usize = 128;
 
-/// The functions of one render.
+/// Functions of one render.
 #[derive(Clone, Debug)]
 pub struct Stages {
-    /// The formula that bends light, which the functions of `bins` have in them.
+    /// Refraction formula, which the functions of `bins` are specialised for.
     pub refraction: RefractionModel,
-    /// What media take; none where none takes anything.
+    /// Absorption. `None` if no medium absorbs.
     pub medium: Option<MediumStage>,
-    /// What rays see that meet nothing; none where that is black.
+    /// Environment. `None` if it is black.
     pub miss: Option<MissStage>,
     /// True if surfaces touch, so that hits are looked up among them.
     pub touching: bool,
-    /// Whether rays carry extras.
+    /// True if rays carry extras.
     pub carries: bool,
-    /// By bin; none where no object has such a surface, or nothing comes of meeting one.
+    /// Stages by bin. `None` if no object has such a surface, or a hit on it has no effect.
     pub bins: [Option<BinStages>; BINS],
-    /// What stops a shadow ray at once.
+    /// Classes of geometry that block a shadow ray.
     pub shadow_admits: GeometryMask,
-    /// How shadow rays pass what does not stop them; none where they meet nothing more.
+    /// Stages for shadow rays that pass transmissive surfaces. `None` if there is nothing to pass.
     pub march: Option<March>,
 }
 
 /// The stages of one bin.
 #[derive(Clone, Debug)]
 pub struct BinStages {
-    /// From hits to surfaces.
+    /// Converts hits to surface points.
     pub gather: GatherStage,
-    /// Secondary rays; none where there are none.
+    /// Emits secondary rays. `None` if there are none.
     pub split: Option<(Stage, SplitStage)>,
-    /// Bases; none where there are none.
+    /// Gathers bases. `None` if there are none.
     pub base: Option<BaseStage>,
-    /// Lights that bases answer to, by their numbers in the scene.
+    /// Light stages of the lights without extent that the bases reflect, with their indices in the scene.
     pub lights: Vec<(usize, LightStage)>,
-    /// Those of them that have an extent.
+    /// Light stages of the area lamps, with their indices in the scene.
     pub lamps: Vec<(usize, SoftStages)>,
 }
 
-/// The stages of shadow rays that pass through transmissive surfaces.
+/// Stages of shadow rays that pass through transmissive surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct March {
-    /// From hits to surfaces.
+    /// Converts hits to surface points.
     pub gather: GatherStage,
-    /// Through them.
+    /// Passes through the surfaces.
     pub pass: PassStage,
-    /// The last stretch; none where it takes nothing.
+    /// Applies absorption on the last segment. `None` if no medium absorbs.
     pub finish: Option<FinishStage>,
 }
 
 impl Stages {
-    /// The functions that a scene calls for: those for what rays can reach, or under [`Pipeline::All`] those that know
-    /// everything. `eye_media` are the media around the eye.
+    /// Picks the functions that a scene needs. Normally these cover the surfaces that rays can reach; under
+    /// [`Pipeline::All`] they cover every property. `eye_media` are the media around the eye.
     #[must_use]
     pub fn of(scene: &Scene, reach: &Reach, eye_media: &[u32], touching: bool, options: &Options) -> Self {
         let all = options.effects.pipeline == Pipeline::All;
         let touching = touching || all;
-        let call = Call { scene, reach, options, all, touching, missed: &reach.unmet };
-        let shadows = Call { missed: &reach.sealed, ..call };
+        let picker = StagePicker { scene, reach, options, all, touching, missed: &reach.unmet };
+        let shadows = StagePicker { missed: &reach.sealed, ..picker };
         let absorbs = |m: u32| scene.media[m as usize].absorption != Rgb::ZERO;
         let around = all || absorbs(0) || eye_media.iter().any(|&m| absorbs(m));
-        let absorbing = around || call.media().any(absorbs);
+        let absorbing = around || picker.media().any(absorbs);
         let absorbing_shadows = around || shadows.media().any(absorbs);
         let transmissive = |o: usize| scene.geometry[o].mask.meets(GeometryMask::TRANSMISSIVE);
         let through = all || absorbing_shadows || shadows.objects().any(transmissive);
@@ -94,31 +94,31 @@ impl Stages {
         Self {
             refraction: options.bending(),
             medium: absorbing.then_some(medium::absorb as MediumStage),
-            miss: if call.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
+            miss: if picker.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
             touching,
             carries: options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some(),
-            bins: std::array::from_fn(|bin| call.bin(bin)),
+            bins: std::array::from_fn(|bin| picker.bin(bin)),
             shadow_admits: if march.is_some() { GeometryMask::OPAQUE } else { GeometryMask::ALL },
             march,
         }
     }
 }
 
-/// What a render calls for.
+/// Inputs for picking the stages.
 #[derive(Clone, Copy)]
-struct Call<'a> {
+struct StagePicker<'a> {
     scene: &'a Scene,
     reach: &'a Reach,
     options: &'a Options,
     all: bool,
     /// True if surfaces touch.
     touching: bool,
-    /// By object: whether no ray of the kind that is looked at meets it.
+    /// By object: true if rays of the given kind cannot hit it.
     missed: &'a [bool],
 }
 
-impl<'a> Call<'a> {
-    /// Objects that rays can meet.
+impl<'a> StagePicker<'a> {
+    /// Returns the objects that rays can hit.
     fn objects(self) -> impl Iterator<Item = usize> {
         (0..self.scene.objects.len()).filter(move |&o| self.all || !self.missed[o])
     }
@@ -127,19 +127,19 @@ impl<'a> Call<'a> {
         &self.scene.materials[self.scene.objects[object].material as usize]
     }
 
-    /// Media that rays can get into.
+    /// Returns the media that rays can enter.
     fn media(self) -> impl Iterator<Item = u32> {
         self.objects().filter_map(move |o| self.scene.medium_of(o))
     }
 
-    /// The shapes of some objects.
+    /// Returns the kinds of shape of the selected objects.
     fn shapes(self, of: impl Fn(usize) -> bool) -> Shapes {
         let mut shapes = if self.all { Shapes::ALL } else { Shapes::default() };
         self.objects().filter(|&o| of(o)).for_each(|o| shapes.add(&self.scene.geometry[o].shape));
         shapes
     }
 
-    /// The stages of a bin.
+    /// Picks the stages of a bin.
     fn bin(self, bin: usize) -> Option<BinStages> {
         let (scene, all) = (self.scene, self.all);
         let here = |o: usize| bin_of(self.material(o)) == bin;
@@ -155,7 +155,7 @@ impl<'a> Call<'a> {
             let shiny = any(&|m| m.highlight.is_some());
             let glowing = any(&|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
             if any(&Material::answers_light) {
-                // A light without intensity adds nothing, and one that is walled in no more.
+                // A light of intensity 0, or one that is walled in, contributes nothing.
                 let adds = |i: usize, l: &Light| l.intensity != Rgb::ZERO && !self.reach.dark[i];
                 let shining = || scene.lights.iter().enumerate().filter(|&(i, l)| all || adds(i, l));
                 lights = shining().filter_map(|(i, l)| Some((i, light::pick(l, shiny, all || l.shadows)?))).collect();

@@ -1,4 +1,4 @@
-//! From hits to places: eight surface points with their normals, and how far off them a new ray must start.
+//! Surface points: eight hits with their normals, and offsets for the origins of new rays.
 
 use glam::{Vec2, Vec3};
 
@@ -10,62 +10,62 @@ use crate::optics::consistent_normal;
 use crate::scene::Scene;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// Eight places where rays met surfaces. Lanes that are not `active` repeat an active one.
+/// Eight surface points that rays hit. Lanes that are not `active` repeat an active one.
 #[derive(Clone, Debug)]
 pub struct Surface8 {
     /// Lanes in use.
     pub active: u8,
-    /// Direction of travel of the rays that arrived, of unit length.
+    /// Unit directions of the arriving rays.
     pub incident: Vec3x8,
-    /// The place, on the surface to within `reach`.
+    /// Surface points, accurate to within `reach`.
     pub point: Vec3x8,
-    /// Unit geometric normal, on the side the ray arrived from.
+    /// Unit geometric normals, on the side of arrival.
     pub normal: Vec3x8,
-    /// Unit shading normal, on the same side; the geometric one where nothing is interpolated.
+    /// Unit shading normals, on the side of arrival; the geometric ones where nothing is interpolated.
     pub shading: Vec3x8,
-    /// Where the shading normal is not the geometric one.
+    /// Lanes whose shading normal is interpolated.
     pub interpolated: Mask8,
-    /// How far along the geometric normal a new ray must start, so that it cannot meet the surface it leaves.
+    /// Offset along the geometric normal, in scene units, at which a new ray cannot hit the surface it leaves.
     pub reach: F32x8,
-    /// Whether the ray came from outside.
+    /// Lanes whose ray arrived from outside.
     pub front: Mask8,
-    /// The hits themselves.
+    /// Hits.
     pub hit: [Hit; 8],
-    /// Material of each.
+    /// Indices of the materials.
     pub material: [u32; 8],
-    /// Weight of each ray, absorption on the way here included.
+    /// Throughputs of the rays, including absorption on the way here.
     pub weight: Rgb8,
-    /// Pixel of each.
+    /// Indices of the pixels within the tile.
     pub pixel: [u32; 8],
-    /// The media each arrived through.
+    /// Media through which the rays arrived.
     pub stack: [StackId; 8],
-    /// Surfaces passed that were not there.
+    /// Numbers of consecutive surfaces passed.
     pub passes: [u32; 8],
-    /// Count that a ray which goes on behind the surface starts with ([`super::queue::State8::passes`]): 0, unless surfaces touch
-    /// there.
+    /// Initial `passes` of rays that continue behind the surface ([`super::queue::State8::passes`]): 0 unless surfaces
+    /// touch here.
     pub onward: [u32; 8],
-    /// The same for a ray that leaves on the side of arrival.
+    /// Initial `passes` of rays that leave on the side of arrival.
     pub returning: [u32; 8],
-    /// Its number in the stream at hand, where rays carry extras or surfaces touch; else 0.
+    /// Index in the current stream, if rays carry extras or surfaces touch; else 0.
     pub place: u32,
-    /// Lanes whose base counts: all that are active, unless the split stage finds a surface not to be there.
+    /// Lanes whose base is shaded: all active ones, except where the split stage passes the surface.
     pub base_lanes: u8,
-    /// Weight of the base: that of the ray, unless the split stage leaves it less.
+    /// Throughputs of the bases: those of the rays, unless the split stage reduces them.
     pub base_weight: Rgb8,
 }
 
-/// Place of a hit in a chunk: packet times eight plus lane.
+/// Index of a hit in a chunk: packet times eight plus lane.
 pub type HitRef = u32;
 
-/// Fills the list with the surfaces of a stream of hits, in ascending order, eight to each.
+/// Function that fills the list with the surfaces of a stream of hits, whose indices ascend, eight per packet.
 pub type GatherStage = fn(&Scene, &Chunk, &[Hit8], &[HitRef], &mut Vec<Surface8>);
 
-/// Shapes that a stream of hits may hold.
+/// Kinds of shape that occur in a stream of hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shapes {
-    /// Triangles without normals of their own.
+    /// Triangles without vertex normals.
     pub flat: bool,
-    /// Triangles with normals to interpolate.
+    /// Triangles with vertex normals.
     pub smooth: bool,
     /// Spheres.
     pub spheres: bool,
@@ -74,10 +74,10 @@ pub struct Shapes {
 }
 
 impl Shapes {
-    /// All of them.
+    /// All kinds.
     pub const ALL: Self = Self { flat: true, smooth: true, spheres: true, planes: true };
 
-    /// Counts a shape in.
+    /// Adds a shape's kind.
     pub fn add(&mut self, shape: &Shape) {
         match shape {
             Shape::Mesh(mesh) if mesh.normal_indices.is_empty() => self.flat = true,
@@ -88,7 +88,7 @@ impl Shapes {
     }
 }
 
-/// The stage for some shapes, or for more than those.
+/// Picks a gather stage that handles at least these shapes.
 #[must_use]
 pub fn pick(shapes: Shapes) -> GatherStage {
     match (shapes.flat, shapes.smooth, shapes.spheres, shapes.planes) {
@@ -98,7 +98,7 @@ pub fn pick(shapes: Shapes) -> GatherStage {
         (false, false, false, true) => gather::<false, false, false, true>,
         (false, false, true, true) => gather::<false, false, true, true>,
         (_, false, _, _) => gather::<true, false, true, true>,
-        // An unusual mix is left to the stage that knows all of them.
+        // An unusual mix uses the stage that handles every kind.
         (_, true, _, _) => gather::<true, true, true, true>,
     }
 }
@@ -117,10 +117,10 @@ fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLA
     }
 }
 
-/// The packet whose eight lanes these places are, in order; none where they are not all of one.
+/// Returns the packet if `refs` are all eight lanes of one packet, in order; else `None`.
 #[inline(always)]
 fn whole_packet(refs: &[HitRef]) -> Option<usize> {
-    // Places ascend, so that between the first and the last of eight there is room for no others.
+    // Indices ascend, so none can lie between the first and the last of eight.
     let &[first, .., last] = refs else { return None };
     (refs.len() == 8 && first % 8 == 0 && last == first + 7).then_some(first as usize / 8)
 }
@@ -157,16 +157,16 @@ impl Surface8 {
             }
         }
         let material = hit.map(|hit| scene.objects[hit.geometry as usize].material);
-        let place = Place::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
+        let raw = RawSurface8::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
 
         // The geometric normal decides the side; both normals then face the ray.
-        let facing = incident.dot(place.outward);
+        let facing = incident.dot(raw.outward);
         let front = facing.lt(F32x8::ZERO);
-        let normal = Vec3x8::select(front, place.outward, -place.outward);
-        let shading = if SMOOTH && place.interpolated.any() {
-            let towards = place.shading.dot(normal).lt(F32x8::ZERO);
-            let faced = Vec3x8::select(towards, -place.shading, place.shading);
-            Vec3x8::select(place.interpolated, consistent_normal(incident, normal, faced), normal)
+        let normal = Vec3x8::select(front, raw.outward, -raw.outward);
+        let shading = if SMOOTH && raw.interpolated.any() {
+            let towards = raw.shading.dot(normal).lt(F32x8::ZERO);
+            let faced = Vec3x8::select(towards, -raw.shading, raw.shading);
+            Vec3x8::select(raw.interpolated, consistent_normal(incident, normal, faced), normal)
         } else {
             normal
         };
@@ -174,11 +174,11 @@ impl Surface8 {
         Self {
             active,
             incident,
-            point: place.point,
+            point: raw.point,
             normal,
             shading,
-            interpolated: place.interpolated,
-            reach: place.reach,
+            interpolated: raw.interpolated,
+            reach: raw.reach,
             front,
             hit,
             material,
@@ -194,34 +194,34 @@ impl Surface8 {
         }
     }
 
-    /// The surface that the first lane of a chunk met, whatever its shape.
+    /// Gathers the surface that the first lane of a chunk hit, whatever its shape.
     #[must_use]
     pub fn one(scene: &Scene, chunk: &Chunk, hits: &[Hit8]) -> Self {
         Self::gather::<true, true, true, true>(scene, chunk, hits, &[0])
     }
 
-    /// Starts of rays that leave on the side the ray arrived from.
+    /// Returns the origins of rays that leave on the side of arrival.
     #[inline]
     #[must_use]
     pub fn above(&self) -> Vec3x8 {
         self.normal.fma(self.reach, self.point)
     }
 
-    /// Starts of rays that leave on the far side.
+    /// Returns the origins of rays that leave on the far side.
     #[inline]
     #[must_use]
     pub fn below(&self) -> Vec3x8 {
         self.normal.fma(-self.reach, self.point)
     }
 
-    /// How far along `dir` a ray's start lies from the surface, on either side.
+    /// Returns the distance along `dir` between the surface and a ray's origin, on either side.
     #[inline]
     #[must_use]
     pub fn lead(&self, dir: Vec3x8) -> F32x8 {
         self.reach * dir.dot(self.normal).abs()
     }
 
-    /// Texture coordinates of lane `k`, as [`crate::scene::Colour::Image`] has them.
+    /// Returns the texture coordinates of lane `k`, as [`crate::scene::Colour::Image`] defines them.
     #[must_use]
     pub fn uv(&self, scene: &Scene, k: usize) -> Vec2 {
         let hit = &self.hit[k];
@@ -241,17 +241,17 @@ impl Surface8 {
     }
 }
 
-/// Eight places before their sides are settled.
-struct Place {
+/// Eight surface points with outward normals, before the side of arrival is known.
+struct RawSurface8 {
     point: Vec3x8,
     outward: Vec3x8,
-    /// Interpolated normals, unit; anything where not `interpolated`.
+    /// Interpolated unit normals; meaningless in lanes that are not `interpolated`.
     shading: Vec3x8,
     interpolated: Mask8,
     reach: F32x8,
 }
 
-impl Place {
+impl RawSurface8 {
     fn flat(Spot { point, outward, reach }: Spot<F32x8>) -> Self {
         Self { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
     }
@@ -303,7 +303,7 @@ impl Place {
 
         let on_sphere = || Spot::on_sphere(anchor, radius, origin, dir, t);
         let on_plane = || Spot::on_plane(anchor, axis, dir.fma(t, origin));
-        let mut place = Self::flat(if MESHES {
+        let mut raw = Self::flat(if MESHES {
             Spot::on_triangle(corners, u, v)
         } else if SPHERES {
             on_sphere()
@@ -312,18 +312,18 @@ impl Place {
         });
         if SMOOTH && smooth != 0 {
             let mixed = corner_normals[0] * (F32x8::ONE - u - v) + corner_normals[1] * u + corner_normals[2] * v;
-            // Opposed corner normals can cancel; the geometric one stands in there.
+            // Opposed vertex normals can cancel. The geometric normal replaces the result there.
             let usable = Mask8::from_bits(smooth) & mixed.length_squared().gt(F32x8::from(1e-12));
-            place.shading = Vec3x8::select(usable, mixed.normalized(), place.outward);
-            place.interpolated = usable;
+            raw.shading = Vec3x8::select(usable, mixed.normalized(), raw.outward);
+            raw.interpolated = usable;
         }
         if MESHES && SPHERES && spheres != 0 {
-            place.replace(Mask8::from_bits(spheres), &on_sphere());
+            raw.replace(Mask8::from_bits(spheres), &on_sphere());
         }
         if (MESHES || SPHERES) && PLANES && planes != 0 {
-            place.replace(Mask8::from_bits(planes), &on_plane());
+            raw.replace(Mask8::from_bits(planes), &on_plane());
         }
-        place
+        raw
     }
 
     fn replace(&mut self, lanes: Mask8, other: &Spot<F32x8>) {

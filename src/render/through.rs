@@ -1,4 +1,4 @@
-//! The stage that takes light straight through transmissive surfaces, as shadow rays go.
+//! Shadow rays that pass straight through transmissive surfaces.
 
 use super::media::StackId;
 use super::queue::{Chunk, Rgb8};
@@ -10,13 +10,14 @@ use crate::optics::{AtNormal, Boundary, Exact, FresnelModel, Schlick};
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// Weakens shadow rays at the transmissive surfaces they met, and starts them again behind.
+/// Function that weakens shadow rays at the transmissive surfaces they hit, and restarts them behind.
 pub type PassStage = fn(&mut Shading, &mut Chunk, &[Hit8], &[HitRef], &[Surface8]);
 
-/// Settles the last stretch of shadow rays that meet nothing more, up to the light: some lanes of a packet.
+/// Function that applies absorption between the last surface and the light, for some lanes of a packet.
 pub type FinishStage = fn(&Shading, &mut Chunk, usize, u8);
 
-/// The stage for a Fresnel formula, where media absorb or none does. Where surfaces touch, the stage absorbs, too.
+/// Picks the pass stage for a Fresnel formula, with or without absorption. The variant for touching surfaces always
+/// absorbs.
 #[must_use]
 pub fn pick(model: FresnelModel, absorbing: bool, touching: bool) -> PassStage {
     match (model, absorbing) {
@@ -35,7 +36,7 @@ pub fn pick(model: FresnelModel, absorbing: bool, touching: bool) -> PassStage {
     }
 }
 
-/// The last stretch where media absorb.
+/// Applies absorption on the last segment, where media absorb.
 pub fn finish(shading: &Shading, chunk: &mut Chunk, packet: usize, lanes: u8) {
     let state = &mut chunk.states[packet];
     let t = chunk.rays[packet].t_max + state.lead;
@@ -63,10 +64,10 @@ fn pass<O: Optics, const ABSORBING: bool, const TOUCHING: bool>(
             }
         }
         let mut beyond = surface.stack;
-        let before = O::before(shading, surface, surface.normal);
+        let before = O::arriving(shading, surface, surface.normal);
         let (passed, carried) = passed::<O, TOUCHING>(shading, surface, &mut beyond, &before);
         weight = weight.times(passed);
-        let extra = O::along(&carried, surface.incident);
+        let extra = O::leaving(&carried, surface.incident);
         let origin = surface.below();
         let lead = surface.lead(surface.incident);
         for (k, &r) in refs.iter().enumerate() {
@@ -92,7 +93,7 @@ fn pass<O: Optics, const ABSORBING: bool, const TOUCHING: bool>(
     }
 }
 
-/// What each of eight transmissive surfaces lets through unbent, and the media behind it.
+/// Returns the share that each of eight transmissive surfaces transmits without bending; sets the media `beyond`.
 #[inline(always)]
 fn passed<O: Optics, const TOUCHING: bool>(
     shading: &mut Shading,

@@ -1,6 +1,6 @@
-//! Cutting the picture into squares, and squares into packets.
+//! Division of the picture into tiles, blocks and pixel packets.
 
-/// A rectangle of pixels.
+/// Rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
     /// Leftmost column.
@@ -13,21 +13,21 @@ pub struct Tile {
     pub height: u32,
 }
 
-/// Eight neighbouring pixels, four wide and two high; some may lie outside the tile.
+/// Packet of eight neighbouring pixels, four wide and two high; some may lie outside the tile.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelPacket {
     x: u32,
     y: u32,
 }
 
-/// The packets of 8 by 8 pixels.
+/// Packets of a block of 8 by 8 pixels.
 pub type Block = [PixelPacket; 8];
 
-/// Edge of the blocks in which packets follow each other, in pixels.
+/// Edge of a block, in pixels.
 const BLOCK: u32 = 8;
 
 impl Tile {
-    /// The tiles of a picture, row by row, with `edge` (at least 1) pixels to a side where they fit.
+    /// Returns the tiles of a picture, row by row, with `edge` (at least 1) pixels to a side where they fit.
     #[must_use]
     pub fn cover(width: u32, height: u32, edge: u32) -> Vec<Self> {
         let mut tiles = Vec::new();
@@ -39,14 +39,14 @@ impl Tile {
         tiles
     }
 
-    /// How many pixels it has.
+    /// Returns the number of pixels.
     #[must_use]
     pub fn pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// Fills `blocks` with the packets that cover it. Four blocks that follow each other are mostly a square, and sixteen
-    /// are one, so that rays near in the stream are near in the picture.
+    /// Fills `blocks` with blocks that cover the tile, in Morton order. Rays near each other in the stream are then
+    /// near each other in the picture.
     pub fn blocks(&self, blocks: &mut Vec<Block>) {
         let starts = |extent: u32| (0..extent).step_by(BLOCK as usize);
         let corner = starts(self.height).flat_map(|y| starts(self.width).map(move |x| (self.x + x, self.y + y)));
@@ -58,7 +58,7 @@ impl Tile {
     }
 }
 
-/// The bits of a number with a zero above each (the order of Morton 1966).
+/// Spreads the bits of `x`, with a zero above each (Morton 1966).
 fn spread(x: u32) -> u64 {
     let part = |x: u64, by: u32, mask: u64| (x | x << by) & mask;
     let x = part(u64::from(x), 16, 0x0000_ffff_0000_ffff);
@@ -69,21 +69,21 @@ fn spread(x: u32) -> u64 {
 }
 
 impl PixelPacket {
-    /// Column of lane `k`.
+    /// Returns the column of lane `k`.
     #[inline]
     #[must_use]
     pub fn x(&self, k: usize) -> u32 {
         self.x + k as u32 % 4
     }
 
-    /// Row of lane `k`.
+    /// Returns the row of lane `k`.
     #[inline]
     #[must_use]
     pub fn y(&self, k: usize) -> u32 {
         self.y + k as u32 / 4
     }
 
-    /// Number of lane `k`'s pixel within the tile, row by row; `None` outside.
+    /// Returns the index of lane `k`'s pixel within the tile, row by row, or `None` if it lies outside.
     #[inline]
     #[must_use]
     pub fn pixel(&self, tile: &Tile, k: usize) -> Option<u32> {

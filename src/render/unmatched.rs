@@ -1,13 +1,13 @@
-//! Rays that left a medium they had never entered, by the object whose surface they left it through.
+//! Unmatched exits: rays that left a medium they had never entered, by object.
 
 use std::collections::BTreeMap;
 
-/// Unmatched exits by object: open or inside-out surfaces, or a hit that was lost before.
+/// Number of unmatched exits by object. Causes are open or inside-out surfaces, or an earlier hit that was missed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnmatchedExits(BTreeMap<u32, u64>);
 
 impl UnmatchedExits {
-    /// Counts one more. Rare, so kept out of the callers' loops.
+    /// Counts one exit. Out of line, because exits are rare.
     #[cold]
     #[inline(never)]
     pub(super) fn add(&mut self, object: u32) {
@@ -21,13 +21,13 @@ impl UnmatchedExits {
         }
     }
 
-    /// Exits through all objects.
+    /// Returns the number of exits through all objects.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.0.values().sum()
     }
 
-    /// Objects, each with its exits: the worst first, among equals the one listed first.
+    /// Returns the objects with their number of exits, the worst first; equal counts keep the order of the scene.
     #[must_use]
     pub fn worst_first(&self) -> Vec<(u32, u64)> {
         let mut objects: Vec<(u32, u64)> = self.0.iter().map(|(&object, &n)| (object, n)).collect();

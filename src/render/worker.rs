@@ -1,4 +1,4 @@
-//! One thread's share of a render: tiles of camera rays, and everything that follows from them.
+//! Worker of one thread: renders tiles of camera rays and all their secondary rays.
 
 use std::ops::Range;
 
@@ -26,16 +26,16 @@ use crate::scene::{Bodies, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 use crate::{Error, Result};
 
-/// Surfaces that are not there which a ray may pass in a row.
+/// Largest number of consecutive surfaces that a ray may pass.
 pub const MOST_PASSES: u32 = 256;
 
 /// Packets traced at a time. Bounds memory: a queue never holds more than the children of two chunks.
 const CHUNK_PACKETS: usize = 1024;
 
-/// Packets of camera rays that set out together.
+/// Packets of camera rays traced together.
 const CAMERA_PACKETS: usize = 320;
 
-/// Blocks of 8 by 8 pixels, and rays of each pixel, that are followed together.
+/// Number of blocks of 8 by 8 pixels, and of samples of each pixel, that are traced together.
 struct AtOnce {
     blocks: usize,
     samples: u32,
@@ -45,13 +45,13 @@ struct AtOnce {
 pub struct Media<'a> {
     /// The bodies of the scene's objects.
     pub bodies: &'a Bodies,
-    /// Its touching surfaces.
+    /// The scene's touching surfaces.
     pub contacts: &'a Contacts,
-    /// The bodies around the eye.
+    /// Bodies around the eye.
     pub eye: &'a [u32],
 }
 
-/// Everything a thread needs, kept from tile to tile so that nothing is allocated once it is warm.
+/// State of one thread, reused from tile to tile so that it allocates nothing once warm.
 pub struct Worker<'a, I: Intersector> {
     pub(super) stages: &'a Stages,
     pub(super) accel: &'a I,
@@ -61,11 +61,11 @@ pub struct Worker<'a, I: Intersector> {
     lens: Lens,
     eye_stack: StackId,
     eye_bodies: &'a [u32],
-    /// By object.
+    /// Bin by object.
     pub(super) bin_of: Vec<u8>,
-    /// By object: met by a ray that is no shadow ray.
+    /// By object: true if a ray other than a shadow ray hit it.
     met: Vec<bool>,
-    /// Camera rays that met nothing.
+    /// Number of camera rays that hit nothing.
     missed: u64,
 
     blocks: Vec<Block>,
@@ -77,9 +77,9 @@ pub struct Worker<'a, I: Intersector> {
     pub(super) bases: Vec<super::base::Base8>,
     pub(super) shadow_chunk: Chunk,
     pub(super) shadow_hits: Vec<Hit8>,
-    /// What shadow rays pass through; those they were sent from are still in `surfaces`.
+    /// Surfaces that shadow rays pass through; the surfaces that sent the rays stay in `surfaces`.
     pub(super) shadow_surfaces: Vec<Surface8>,
-    /// Lengths of the shadow rays, while they are cut short of their lamps.
+    /// Full lengths of the shadow rays, while they end before their lamps.
     pub(super) shadow_ends: Vec<F32x8>,
     pub(super) shadow_refs: Vec<HitRef>,
     pub(super) blocked: Vec<Mask8>,
@@ -88,7 +88,7 @@ pub struct Worker<'a, I: Intersector> {
 }
 
 impl<'a, I: Intersector> Worker<'a, I> {
-    /// A worker for one render.
+    /// Creates a worker for one render.
     pub fn new(
         scene: &'a Scene,
         accel: &'a I,
@@ -130,7 +130,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// Objects and light that its tiles met so far.
+    /// Returns the objects that the worker's rays hit so far, and whether lamp light reached any.
     pub fn seen(&self) -> Seen {
         Seen { objects: self.met.clone(), missed: self.missed, lit: self.shading.accumulator.lit != 0 }
     }
@@ -138,7 +138,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
     /// Renders one tile into the accumulator, part by part, so that memory does not grow with the number of samples.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] once the observer says stop.
+    /// Returns [`Error::Interrupted`] once the observer requests a stop.
     pub fn tile(&mut self, tile: &Tile) -> Result<()> {
         self.shading.accumulator.reset(tile.pixels());
         self.shading.tile = *tile;
@@ -155,7 +155,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
-    /// Follows the camera rays of some numbers through the pixels of some blocks to their ends.
+    /// Traces samples `samples` of all pixels in `blocks`, with all their secondary rays.
     fn part(&mut self, tile: &Tile, blocks: &[Block], samples: Range<u32>) -> Result<()> {
         self.begin(samples.start);
         let mut chunk = std::mem::take(&mut self.chunk);
@@ -172,9 +172,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
-    /// How many camera rays go together: all of a pixel's and those of as many pixels as make long streams, and no more,
-    /// since what is near in the picture is near in the caches. Where lamps have an extent or media disperse, what becomes
-    /// of a ray depends on its number, which is known of one number at a time.
+    /// Returns the number of camera rays to trace together: all samples of a pixel, and as many pixels as make long
+    /// streams. No more than that, since pixels near each other share cached nodes. Area lamps and dispersion need the
+    /// sample index, so samples are then traced one index at a time.
     fn at_once(&self, samples: u32) -> AtOnce {
         let numbered = self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
         if numbered {
@@ -184,15 +184,14 @@ impl<'a, I: Intersector> Worker<'a, I> {
         AtOnce { blocks: (CAMERA_PACKETS / 8 / samples as usize).max(1), samples }
     }
 
-    /// Makes ready for the pixels' rays of one number, or of that and others where numbers do not matter.
+    /// Starts sample `sample`; if sample indices do not matter, it stands for itself and the ones traced with it.
     pub(super) fn begin(&mut self, sample: u32) {
         self.shading.sample = sample;
         self.shading.media.begin_sample(sample);
         self.eye_stack = self.shading.media.stack_of(self.eye_bodies);
     }
 
-    /// Fills the chunk with camera rays of some numbers for each pixel of some blocks of the tile, each block as often as
-    /// there are numbers before the next.
+    /// Fills the chunk with camera rays: for each block, one ray per pixel and sample in `samples`.
     pub(super) fn camera_rays(&self, tile: &Tile, blocks: &[Block], samples: Range<u32>, chunk: &mut Chunk) {
         let n = self.shading.scene.settings.samples;
         for block in blocks {
@@ -203,7 +202,8 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// Adds the rays through the pixels of a packet, moved by so much within them, but for those outside the tile.
+    /// Adds the rays through a packet of pixels, offset by (`dx`, `dy`) within each pixel, except for pixels outside
+    /// the tile.
     #[inline]
     fn camera_packet(&self, tile: &Tile, packet: &PixelPacket, dx: F32x8, dy: F32x8, chunk: &mut Chunk) {
         let at = |k: usize| packet.pixel(tile, k);
@@ -227,7 +227,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// Traces a chunk, sorts what it met into bins, and takes each bin through its stages.
+    /// Traces a chunk, sorts its hits into bins, and runs each bin through its stages.
     fn step(&mut self, chunk: &mut Chunk, depth: usize, kind: RayKind) -> Result<()> {
         if self.observer.stop.load(std::sync::atomic::Ordering::Relaxed) {
             return Err(Error::Interrupted);
@@ -279,20 +279,20 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
-    /// Takes the hits of a chunk to the layers that count where surfaces touch.
+    /// Moves the hits of a chunk to the layers that count where surfaces touch.
     pub(super) fn arrive(&mut self, chunk: &mut Chunk, hits: &mut [Hit8]) {
         let mut arrivals = std::mem::take(&mut self.shading.arrivals);
         arrivals.arrive(&mut self.shading, chunk, hits);
         self.shading.arrivals = arrivals;
     }
 
-    /// Gives the surfaces of a stream what they need where surfaces touch.
+    /// Sets the layer data of a stream's surfaces where surfaces touch.
     pub(super) fn mark(&mut self, stream: &[HitRef]) {
         let Shading { touching, arrivals, .. } = &mut self.shading;
         arrivals.mark(touching, stream, &mut self.surfaces);
     }
 
-    /// Takes the surfaces of a stream through the stages of their bin.
+    /// Runs the surfaces of a stream through the stages of their bin.
     fn shade(&mut self, stages: &BinStages, depth: usize, coherence: Coherence) {
         if let Some((stage, split)) = stages.split {
             self.shading.streams.count(stage);
@@ -315,7 +315,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
         }
     }
 
-    /// Adds the light of a lamp with an extent to the surfaces of a stream, but for what waits in the shadow queue.
+    /// Adds an area lamp's light to the surfaces of a stream, and queues the shadow rays it needs.
     fn shine_softly(&mut self, lamp: usize, soft: &SoftStages, depth: usize, coherence: Coherence) {
         let bases = self.bases.len();
         for part in (0..bases).step_by(soft.surfaces).map(|from| from..bases.min(from + soft.surfaces)) {
@@ -323,10 +323,10 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 stage(&mut worker.shading, lamp, &worker.surfaces[part.clone()], &worker.bases[part.clone()], depth);
             };
             if !soft.shadows {
-                run(self, soft.open);
+                run(self, soft.unoccluded);
                 continue;
             }
-            run(self, soft.ask);
+            run(self, soft.shadowed);
             if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
                 self.flush_shadows(depth, coherence);
             }
@@ -338,21 +338,21 @@ impl<'a, I: Intersector> Worker<'a, I> {
         self.bins.iter_mut().for_each(Vec::clear);
         for (packet, (ray, hit)) in chunk.rays.iter().zip(hits).enumerate() {
             let first = (packet * 8) as HitRef;
-            // Neighbours mostly meet the same object.
+            // Neighbouring rays mostly hit the same object.
             if ray.active == u8::MAX && hit.geometry == [hit.geometry[0]; 8] {
-                let places: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
-                self.places_on(hit.geometry[0]).extend_from_slice(&places);
+                let refs: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
+                self.hits_on(hit.geometry[0]).extend_from_slice(&refs);
             } else {
                 for lane in set_lanes(ray.active) {
-                    self.places_on(hit.geometry[lane]).push(first + lane as HitRef);
+                    self.hits_on(hit.geometry[lane]).push(first + lane as HitRef);
                 }
             }
         }
     }
 
-    /// The list of places on an object, and on what is shaded with it; that of misses, where it is none.
+    /// Returns the list of hits for an object's bin, or the list of misses if `object` is none.
     #[inline(always)]
-    fn places_on(&mut self, object: u32) -> &mut Vec<HitRef> {
+    fn hits_on(&mut self, object: u32) -> &mut Vec<HitRef> {
         match self.bin_of.get(object as usize) {
             Some(&bin) => {
                 self.met[object as usize] = true;

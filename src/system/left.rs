@@ -21,6 +21,9 @@ impl Bound {
     /// Every bound.
     const ALL: [Self; 4] = [Self::AddressSpace, Self::Data, Self::Group, Self::Machine];
 
+    /// The bounds that count memory when it is mapped. The others count it when it is first written.
+    const OF_MAPPINGS: [Self; 2] = [Self::AddressSpace, Self::Data];
+
     /// A way to raise it, as the start of a cure.
     #[must_use]
     pub fn cure(self) -> &'static str {
@@ -56,7 +59,17 @@ pub struct Left {
 /// Bytes that this process may still take. `None` where the system tells of no limit.
 #[must_use]
 pub fn left() -> Option<Left> {
-    let known = Bound::ALL.into_iter().filter_map(|bound| Some(Left { bytes: by(bound)?, bound }));
+    least(&Bound::ALL)
+}
+
+/// Bytes that this process may still map, written or not. `None` where no limit is set.
+#[must_use]
+pub fn left_to_map() -> Option<Left> {
+    least(&Bound::OF_MAPPINGS)
+}
+
+fn least(bounds: &[Bound]) -> Option<Left> {
+    let known = bounds.iter().filter_map(|&bound| Some(Left { bytes: by(bound)?, bound }));
     known.min_by_key(|left| left.bytes)
 }
 

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use super::left::{Bound, Left, left};
+use super::left::{Bound, Left, left, left_to_map};
 use crate::{Error, Result};
 
 /// Bytes that must stay free beside what was asked for: small allocations of every stage.
@@ -83,14 +83,37 @@ fn fallibly<T>(attempt: impl FnOnce() -> T) -> T {
 /// [`Error::Limit`], where the system does not leave that much. The message names `what`, its size, what is left, and as
 /// cures a higher limit or `cure`, which follows "or".
 pub fn need(what: &str, bytes: u64, cure: &'static str) -> Result<()> {
-    {
-        let mut stage = STAGE.lock().unwrap_or_else(PoisonError::into_inner);
-        let longest = what.len().min(Stage::LONGEST);
-        let end = (0..=longest).rev().find(|&i| what.is_char_boundary(i)).unwrap_or(0);
-        stage.what[..end].copy_from_slice(&what.as_bytes()[..end]);
-        (stage.length, stage.cure) = (end, cure);
-    }
+    begin(what, cure);
     room(bytes).map(|_| ()).map_err(|left| too_large(what, bytes, left, cure))
+}
+
+/// Begins a stage that maps up to `bytes` for `what` and writes little of it: only limits on mappings count.
+///
+/// # Errors
+/// [`Error::Limit`] as [`need`].
+pub fn need_mapped(what: &str, bytes: u64, cure: &'static str) -> Result<()> {
+    begin(what, cure);
+    match left_to_map() {
+        Some(left) if left.bytes < bytes.saturating_add(ASIDE) => Err(too_large(what, bytes, Some(left), cure)),
+        _ => Ok(()),
+    }
+}
+
+/// The error for `what`, where a library reports that memory ran out and not how much it asked for.
+pub fn ran_out(what: &str, cure: &str) -> Error {
+    Error::Limit(match left() {
+        Some(left) => format!("{what}: more memory needed, {}", left_and_cure(left, cure)),
+        None => format!("{what}: more memory needed than the system gives; {cure}"),
+    })
+}
+
+/// Notes the stage for the message of an allocation that fails.
+fn begin(what: &str, cure: &'static str) {
+    let mut stage = STAGE.lock().unwrap_or_else(PoisonError::into_inner);
+    let longest = what.len().min(Stage::LONGEST);
+    let end = (0..=longest).rev().find(|&i| what.is_char_boundary(i)).unwrap_or(0);
+    stage.what[..end].copy_from_slice(&what.as_bytes()[..end]);
+    (stage.length, stage.cure) = (end, cure);
 }
 
 /// Checks that `bytes` can be had now, and some more. Where they cannot, the error is what is left. Returns true where memory
@@ -115,11 +138,13 @@ fn room(bytes: u64) -> std::result::Result<bool, Option<Left>> {
 fn too_large(what: &str, bytes: u64, left: Option<Left>, cure: &str) -> Error {
     let needed = Size(bytes.saturating_add(ASIDE));
     Error::Limit(match left {
-        Some(Left { bytes, bound }) => {
-            format!("{what}: {needed} of memory needed, {} left {bound}; {} or {cure}", Size(bytes), bound.cure())
-        }
+        Some(left) => format!("{what}: {needed} of memory needed, {}", left_and_cure(left, cure)),
         None => format!("{what}: {needed} of memory needed, more than the system gives; {cure}"),
     })
+}
+
+fn left_and_cure(Left { bytes, bound }: Left, cure: &str) -> String {
+    format!("{} left {bound}; {} or {cure}", Size(bytes), bound.cure())
 }
 
 /// Reserves room for exactly `additional` more values.
@@ -227,6 +252,15 @@ mod tests {
             assert!(text.starts_with("a thing: ") && text.ends_with("take less") && text.contains("iB"), "{text}");
         }
         assert!(!is_fallible());
+    }
+
+    #[test]
+    fn mapping_more_than_no_limit_allows_is_no_error_and_a_library_that_ran_out_says_what_is_left() {
+        if left_to_map().is_none() {
+            need_mapped("a thing", 1 << 50, "take less").unwrap();
+        }
+        let text = ran_out("a thing", "take less").to_string();
+        assert!(text.starts_with("a thing: more memory needed") && text.ends_with("take less"), "{text}");
     }
 
     #[test]

@@ -5,8 +5,8 @@ use vitrum::image::Film;
 use vitrum::render::{Ceiling, Observer, Options, reference};
 use vitrum::scene::{Falloff, Interface, Light, LightKind, Material, MirrorSource, Rgb, Scene};
 
+use super::{outcomes, random};
 use crate::support::scenes::{bare, cuboid, empty, glass, material, sphere};
-use crate::{outcomes, random};
 
 fn furthest(a: &Film, b: &Film) -> f32 {
     let channels = |film: &Film| film.pixels.iter().flatten().copied().collect::<Vec<f32>>();

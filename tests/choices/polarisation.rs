@@ -8,8 +8,8 @@ use vitrum::scene::{
     Camera, Colour, Falloff, FresnelRule, Interface, Light, LightKind, Material, Projection, Rgb, Scene,
 };
 
+use super::{outcomes, random};
 use crate::support::scenes::{add, bare, cuboid, empty, glass, material, plane, sphere};
-use crate::{outcomes, random};
 
 fn options(fresnel: FresnelModel) -> Options {
     Options { fresnel, ..Options::default() }

@@ -5,7 +5,7 @@ use vitrum::optics::{Boundary, Exact, FresnelFormula};
 use vitrum::render::{Options, RayKind, Reflection};
 use vitrum::scene::{Interface, Material, MirrorSource, Rgb, Scene};
 
-use crate::outcomes;
+use super::outcomes;
 use crate::support::scenes::{bare, cuboid, empty, glass, material, sphere};
 
 /// A mirror that faces a wall of light 5 in a room of light 1, and the other way round.

@@ -5,9 +5,9 @@ use vitrum::effects::{self, EffectPlan};
 use vitrum::render::Options;
 use vitrum::scene::{Dispersion, Rgb, Scene, Settings};
 
+use super::{grey, lamp, mirror, mirror_of};
 use crate::support::scenes::{cuboid, empty, glass, material, native, plane, sphere};
 use crate::support::{Rng, random};
-use crate::{grey, lamp, mirror, mirror_of};
 
 #[test]
 fn a_picture_never_takes_more_rays_or_deeper_ones_than_was_said_before() {

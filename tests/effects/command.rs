@@ -5,7 +5,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use vitrum::effects::Effect;
 
-use crate::small;
+use super::small;
 
 fn fails(arguments: &str) -> String {
     let output = Command::cargo_bin("vitrum").expect("built").args(arguments.split(' ')).output().expect("runs");

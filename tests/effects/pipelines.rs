@@ -3,9 +3,9 @@
 use vitrum::effects::{Effect, EffectPlan, EffectSet, Pipeline};
 use vitrum::render::Options;
 
+use super::{auto_and_all, by, same, scene_files, small};
 use crate::support::scenes::native;
 use crate::support::{Rng, random};
-use crate::{auto_and_all, by, same, scene_files, small};
 
 #[test]
 fn every_scene_of_the_project_is_the_same_by_all_stages_as_by_its_own() {

@@ -6,9 +6,9 @@ use vitrum::geometry::{Shape, Sphere, TriMesh};
 use vitrum::render::{Options, Outcome, Stage};
 use vitrum::scene::{Colour, FresnelRule, Interface, LightKind, Material, Projection, Rgb, Scene, Settings};
 
+use super::{auto_and_all, grey, lamp, mirror, same};
 use crate::support::Rng;
 use crate::support::scenes::{add, bare, cuboid, cuboid_mesh, empty, glass, material, plane, sphere};
-use crate::{auto_and_all, grey, lamp, mirror, same};
 
 /// A random scene of shiny things with a pane inside a closed shell that nothing gets through.
 fn with_a_secret(rng: &mut Rng) -> (Scene, usize, usize) {

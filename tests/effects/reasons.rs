@@ -6,8 +6,8 @@ use glam::Vec3;
 use vitrum::effects::{self, Decision, Effect, EffectPlan};
 use vitrum::scene::{Rgb, Scene};
 
+use super::{grey, lamp, small};
 use crate::support::scenes::{empty, glass, material, plane, sphere};
-use crate::{grey, lamp, small};
 
 #[test]
 fn reasons_name_what_they_are_about() {

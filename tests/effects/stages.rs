@@ -7,8 +7,8 @@ use vitrum::effects::{self, Effect, EffectPlan, EffectSet, Pipeline};
 use vitrum::render::{Observer, Options, Stage, reference};
 use vitrum::scene::{Colour, Environment, FresnelRule, Interface, Material, Rgb};
 
+use super::{auto_and_all, by, grey, lamp, mirror, same, small};
 use crate::support::scenes::{bare, cuboid, empty, glass, material, native, plane, sphere};
-use crate::{auto_and_all, by, grey, lamp, mirror, same, small};
 
 #[test]
 fn a_diffuse_scene_runs_no_stage_but_those_of_diffuse_surfaces() {

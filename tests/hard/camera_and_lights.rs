@@ -97,7 +97,7 @@ fn no_light_leaks_round_a_facet_that_faces_away() {
     let mut scene = scenes::empty(0.0);
     let white = Material { diffuse: Colour::Constant(Rgb::ONE), ..Material::default() };
     let white = scenes::material(&mut scene, white);
-    let mut ball = crate::self_intersection::icosahedron();
+    let mut ball = super::self_intersection::icosahedron();
     ball.normals.clone_from(&ball.positions);
     ball.normal_indices.clone_from(&ball.triangles);
     let flat = vitrum::geometry::TriMesh { normals: vec![], normal_indices: vec![], ..ball.clone() };

@@ -14,7 +14,7 @@ use crate::support::{Rng, scenes, shapes};
 #[test]
 fn every_mesh_of_the_zoo_gives_the_bits_of_testing_everything() {
     let mut rng = Rng::new(41);
-    for (name, mesh) in crate::build::zoo(300) {
+    for (name, mesh) in super::build::zoo(300) {
         let bounds = mesh.bounds();
         let (centre, extent) = (bounds.centre(), bounds.extent().max_element());
         let rays: Vec<Ray> = (0..count(400))

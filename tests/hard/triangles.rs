@@ -105,7 +105,7 @@ fn an_edge_counts_as_one_crossing() {
 
 /// Twenty triangles, each in a plane of its own: convex however it is rounded.
 fn icosahedron() -> TriMesh {
-    snapped(crate::self_intersection::icosahedron(), -10)
+    snapped(super::self_intersection::icosahedron(), -10)
 }
 
 /// RT-04, Embree #387: a triangle with edges of about 11.2, 9.7 and 1.4 that a ray meets at half a degree to its plane,

@@ -1,6 +1,6 @@
 //! What the approximations cost where theory says so: tables worked out independently in 80-bit arithmetic.
 
-use crate::oracle;
+use super::oracle;
 use vitrum::math::{Vector3, ulp};
 use vitrum::optics::{
     AtNormal, Boundary, Exact, FresnelFormula, Oliveira, RefractionFormula, Schlick, StraightThrough,
@@ -80,7 +80,7 @@ fn schlick_with_the_incident_cosine_on_the_way_out_would_be_off_by_nearly_one() 
         let with_cos_i = boundary.r0 + (1.0 - boundary.r0) * (1.0 - c).powi(5);
         // In the limit of the critical angle all is reflected; the table stops a hundredth of a degree short of it.
         assert!((1.0 - with_cos_i - want).abs() <= 0.015, "{n1} -> {n2}: {}", 1.0 - with_cos_i);
-        let critical = crate::sample::critical_angle(n1, n2);
+        let critical = super::sample::critical_angle(n1, n2);
         let (exact, schlick) = both(&boundary, (critical - 1e-9).cos());
         assert!((exact - schlick).abs() < 1e-3, "the rule with cos_t agrees there");
     }

@@ -1,6 +1,6 @@
 //! The Fresnel equations by answers known beforehand and by their laws.
 
-use crate::sample::Rng;
+use super::sample::Rng;
 use vitrum::math::{FUSED, Real};
 use vitrum::optics::{AtNormal, Boundary, Crossing, Exact, FresnelFormula, Schlick, polarised, thin_reflectance};
 
@@ -171,7 +171,7 @@ fn cosines_that_rounding_put_outside_count_as_the_nearer_end() {
 #[test]
 fn reflectance_reaches_one_without_a_step_at_the_critical_angle() {
     for n1 in [1.33, 1.5, 2.42] {
-        let critical = crate::sample::critical_angle(n1, 1.0);
+        let critical = super::sample::critical_angle(n1, 1.0);
         let boundary = Boundary::<f64>::new(n1, 1.0);
         let at = |below: f64| boundary.cross((critical - below).cos());
         type Reflectance = fn(&Boundary<f64>, &Crossing<f64>) -> f64;

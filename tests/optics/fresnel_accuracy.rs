@@ -1,7 +1,7 @@
 //! The Fresnel equations against the oracle: relative error over every angle and pair of indices.
 
-use crate::oracle::{reflectance, reflectances};
-use crate::sample::{Rng, critical_angle};
+use super::oracle::{reflectance, reflectances};
+use super::sample::{Rng, critical_angle};
 use vitrum::math::FUSED;
 use vitrum::optics::{Boundary, Exact, FresnelFormula, polarised, polarised_as_printed};
 use vitrum::trial::verify::INDEX_PAIRS;
@@ -117,10 +117,10 @@ fn refraction_and_fresnel_share_their_cosine_with_the_oracle() {
         for k in 0..5_000 {
             let c = cosine(&mut rng, k, critical);
             let at = boundary.cross(c);
-            let want = crate::oracle::cos2_t(crate::oracle::d(c), n1, n2);
+            let want = super::oracle::cos2_t(super::oracle::d(c), n1, n2);
             // Next to the critical angle, products that are not fused may take a total crossing for another.
             if !at.total && (FUSED || want > 0.0) {
-                let want = crate::oracle::narrow(want.sqrt());
+                let want = super::oracle::narrow(want.sqrt());
                 let off = (f64::from(at.cos_t) - want).abs() / want;
                 // Where products are not fused, `cos_i^2` is rounded before the far smaller `b^2` is taken from it.
                 let b = want * n2 / n1;

@@ -1,6 +1,6 @@
 //! One lane and eight give the same bits, for every public function of optics, over awkward inputs.
 
-use crate::sample::Rng;
+use super::sample::Rng;
 use vitrum::math::{LaneMask, Real, Vector3};
 use vitrum::optics::{
     AtNormal, Bec, Boundary, Exact, FresnelFormula, Heckbert, Oliveira, PlanarReflection, RefractionFormula, Schlick,
@@ -118,7 +118,7 @@ fn sound(rng: &mut Rng, k: usize) -> Input {
         0 => rng.unit().acos(),
         1 => rng.between(0.0, 1e-3),
         2 => std::f64::consts::FRAC_PI_2 - 10.0_f64.powf(rng.between(-12.0, -2.0)),
-        3 if n1 > n2 => (crate::sample::critical_angle(n1, n2) + rng.between(-1e-7, 1e-7)).min(1.57),
+        3 if n1 > n2 => (super::sample::critical_angle(n1, n2) + rng.between(-1e-7, 1e-7)).min(1.57),
         _ => 0.0,
     };
     let (i, n) = rng.meeting_at(angle);

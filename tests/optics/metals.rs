@@ -1,6 +1,6 @@
 //! Metals.
 
-use crate::oracle;
+use super::oracle;
 use vitrum::optics::{
     AtNormal, Boundary, Exact, FresnelFormula, Schlick, conductor_at_normal, conductor_exact, conductor_schlick,
 };
@@ -91,7 +91,7 @@ fn the_fresnel_choice_reaches_metals_too() {
 
 #[test]
 fn reflectance_of_anything_is_between_nothing_and_all() {
-    let mut rng = crate::sample::Rng::new(12);
+    let mut rng = super::sample::Rng::new(12);
     for _ in 0..300_000 {
         let c = rng.between(-1e-7, 1.0 + 1e-6) as f32;
         let size = 10.0_f64.powf(rng.between(-6.0, 6.0));

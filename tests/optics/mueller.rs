@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::ops::{Add, Div, Mul, Sub};
 
-use crate::sample::{Rng, narrow};
+use super::sample::{Rng, narrow};
 use vitrum::math::{Real, Vector3};
 use vitrum::optics::{
     Boundary, Diattenuation, Exact, FresnelFormula, Mueller, PlaneOfIncidence, any_across, conductor_exact,

@@ -1,6 +1,6 @@
 //! Shading normals that never send light through the surface.
 
-use crate::sample::{Rng, bits, narrow, widen};
+use super::sample::{Rng, bits, narrow, widen};
 use vitrum::math::Vector3;
 use vitrum::optics::{Boundary, below_surface, consistent_normal, reflect};
 

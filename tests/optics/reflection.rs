@@ -1,7 +1,7 @@
 //! The mirror direction, by the vector and by the matrix.
 
-use crate::oracle::{V, d, mirror, narrow};
-use crate::sample::{Rng, bits, narrow as to_f32, widen};
+use super::oracle::{V, d, mirror, narrow};
+use super::sample::{Rng, bits, narrow as to_f32, widen};
 use vitrum::math::{UNIT_ROUNDOFF, Vector3};
 use vitrum::optics::{PlanarReflection, reflect};
 

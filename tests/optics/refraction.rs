@@ -1,7 +1,7 @@
 //! The refracted direction by every formula, in both directions through the boundary.
 
-use crate::oracle::refract as oracle;
-use crate::sample::{Rng, bits, critical_angle, widen};
+use super::oracle::refract as oracle;
+use super::sample::{Rng, bits, critical_angle, widen};
 use vitrum::math::{FUSED, Vector3};
 use vitrum::optics::{Bec, Boundary, Heckbert, RefractionFormula, SlidesVector, Stable, Trigonometric};
 
@@ -238,7 +238,7 @@ fn whether_reflection_is_total_is_decided_exactly_where_products_are_fused() {
         let nearest = i64::from(critical.to_bits());
         for k in -2000..=2000 {
             let c = f32::from_bits((nearest + k) as u32);
-            let want = crate::oracle::cos2_t(crate::oracle::d(c), n1, n2) < 0.0;
+            let want = super::oracle::cos2_t(super::oracle::d(c), n1, n2) < 0.0;
             if FUSED || k.abs() > 4 {
                 assert_eq!(boundary.cross(c).total, want, "{n1} -> {n2} at cosine {c}, {k} ulp from critical");
             }

@@ -6,7 +6,7 @@ use vitrum::optics::FresnelModel;
 use vitrum::render::reference::Prepared;
 use vitrum::scene::{Environment, FresnelRule, Interface, Rgb, Scene};
 
-use crate::build::*;
+use super::build::*;
 
 const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 

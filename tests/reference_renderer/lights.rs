@@ -7,7 +7,7 @@ use vitrum::scene::{
     Falloff, FresnelRule, Highlight, HighlightModel, Interface, LightKind, Material, Rgb, Scene, ShadowRule,
 };
 
-use crate::build::*;
+use super::build::*;
 
 /// A floor at y = 0 of albedo 0.5, lit by intensity 3.
 fn floor(kind: LightKind, falloff: Falloff) -> Scene {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use vitrum::scene::{Environment, Rgb, Scene};
 
-use crate::build::*;
+use super::build::*;
 
 const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 

@@ -9,7 +9,7 @@ use vitrum::render::reference::{Prepared, render};
 use vitrum::render::{Observer, Options, RayKind};
 use vitrum::scene::{Camera, Colour, Environment, Falloff, LightKind, Material, Projection, Rgb, Scene};
 
-use crate::build::*;
+use super::build::*;
 
 fn options(threads: usize) -> Options {
     Options { threads, ..Options::default() }

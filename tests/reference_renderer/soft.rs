@@ -6,7 +6,7 @@ use glam::Vec3;
 use vitrum::geometry::Shape;
 use vitrum::scene::{Falloff, LampSampling, Light, LightKind, Material, Pattern, Rgb, Scene, Spread};
 
-use crate::build::*;
+use super::build::*;
 
 /// A white floor at y = 0 under a lamp of intensity 3, sampled by a grid of `side` by `side`.
 fn floor(kind: LightKind, falloff: Falloff, side: u32) -> Scene {

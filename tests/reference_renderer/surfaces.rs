@@ -7,7 +7,7 @@ use vitrum::scene::{
     Colour, Environment, Falloff, FresnelRule, Interface, LightKind, Material, MirrorSource, Rgb, Scene, Texture,
 };
 
-use crate::build::*;
+use super::build::*;
 
 const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 

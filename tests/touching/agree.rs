@@ -6,8 +6,8 @@ use vitrum::scene::{
     Colour, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, MirrorSource, Rgb, Scene,
 };
 
-use crate::pictures;
-use crate::stacks::edges;
+use super::pictures;
+use super::stacks::edges;
 use crate::support::Rng;
 use crate::support::scenes::{add, bare, cuboid_mesh, empty, glass, material};
 

@@ -1,6 +1,6 @@
 //! Scenes of touching surfaces that people make, with answers by hand or from the same scene with overlaps.
 
-use crate::{all_agree, all_are, apart, pictures, scene};
+use super::{all_agree, all_are, apart, pictures, scene};
 
 /// Two slabs seen at the angle whose sine is 0.53 along straight lines; the share of a lamp behind them.
 fn slabs(lower_ior: &str, lower_absorption: &str) -> String {

@@ -1,6 +1,6 @@
 //! Rules for kinds of surface that meet in one place, each with its answer by hand.
 
-use crate::{all_agree, all_are};
+use super::{all_agree, all_are};
 
 /// A wall seen head-on in a uniform light, with the given materials and meshes at z = 0; the light shines at right angles
 /// from far away, so that a matt wall of albedo a sends a.
@@ -121,7 +121,7 @@ fn a_scene_without_touching_surfaces_says_so_and_one_with_them_names_a_pair() {
     use vitrum::effects::{Effect, EffectPlan, Options};
     let glass = r#"{ name = "glass", type = "dielectric", ior = 1.5 }"#;
     let of = |meshes: String| {
-        let scene = crate::scene(&wall(&format!("{FLOOR}, {glass}"), &meshes));
+        let scene = super::scene(&wall(&format!("{FLOOR}, {glass}"), &meshes));
         let plan = EffectPlan::resolve(&scene, &Options::default());
         let decision = plan.of(Effect::Touching).clone();
         (decision.on, decision.because)
@@ -143,7 +143,7 @@ fn warned(scene: &vitrum::scene::Scene) -> Vec<&'static str> {
 #[test]
 fn a_decal_of_another_material_and_walls_that_nearly_coincide_are_warned_of() {
     let dark = format!(r#"{FLOOR}, {{ name = "dark", type = "diffuse", color = 0.1 }}"#);
-    let of = |materials: &str, meshes: String| warned(&crate::scene(&wall(materials, &meshes)));
+    let of = |materials: &str, meshes: String| warned(&super::scene(&wall(materials, &meshes)));
     assert_eq!(of(&dark, format!("{PLANE}, {}", sheet("dark"))), ["coplanar-materials"]);
     let away = sheet("dark").replace("[90, 0, 0]", "[-90, 0, 0]");
     assert!(of(&dark, format!("{PLANE}, {away}")).is_empty());

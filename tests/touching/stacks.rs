@@ -5,8 +5,8 @@ use std::fmt::Write;
 use vitrum::render::reference::Prepared;
 use vitrum::scene::Scene;
 
+use super::{apart, pictures, scene};
 use crate::support::Rng;
-use crate::{apart, pictures, scene};
 
 /// Stacks of each kind; a hundred times as many where `VITRUM_ALL` is set.
 fn stacks() -> u64 {

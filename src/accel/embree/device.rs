@@ -16,7 +16,23 @@ use super::installed::Installed;
 use super::options::{Frequency, Isa, Quality};
 use super::scene::SceneBuilder;
 use super::sys::{self, Api, QueryArguments, Valid};
-use crate::error::Unavailable;
+use crate::error::{Error, Result, Unavailable};
+use crate::system::memory;
+
+/// Address space that each device maps when it is made (a heap of its own) and writes little of.
+const DEVICE_BYTES: u64 = 128 << 20;
+
+/// Address space that each build thread takes: its stack and its part of the scheduler.
+const THREAD_BYTES: u64 = 5 << 20;
+
+/// Address space that the libraries take which Embree needs: TBB and the C++ runtime.
+const BESIDE_BYTES: u64 = 16 << 20;
+
+/// The way out where Embree finds no memory.
+pub(super) const WITHOUT: &str = "take --backend native";
+
+/// The code of `RTC_ERROR_OUT_OF_MEMORY`.
+const OUT_OF_MEMORY: c_int = 4;
 
 /// One loaded library that was found fit for use. It stays loaded until the program ends: its worker threads do, too.
 pub struct Library {
@@ -44,7 +60,7 @@ impl Library {
     /// # Errors
     /// [`Unavailable`] where it is missing, cannot be loaded, lacks functions, is not version 4, or writes past the
     /// end of the structs it is given.
-    pub fn open(wished: Option<&Path>) -> Result<&'static Self, Unavailable> {
+    pub fn open(wished: Option<&Path>) -> Result<&'static Self> {
         let found = find::find(wished).map_err(|folder| Unavailable::NotFound {
             library: find::FILE_NAME,
             place: format!("in {} (EMBREE_DIR)", folder.display()),
@@ -58,15 +74,18 @@ impl Library {
         let past = Device::open(fresh, 1, Frequency::Widest, Isa::Best)?.bytes_written_past(sys::RAY_HIT_ENDS)?;
         if past != [0; 3] {
             let why = "was built for nested instances and would write past its hits; use another build";
-            return Err(Unavailable::Unfit(format!("{} {why}", found.file.display())));
+            return Err(Unavailable::Unfit(format!("{} {why}", found.file.display())).into());
         }
         loaded.push(fresh);
         Ok(fresh)
     }
 
     /// Loads one file and asks it what it is.
-    fn load(found: &Found) -> Result<Self, Unavailable> {
+    fn load(found: &Found) -> Result<Self> {
         let file = found.file.display();
+        // Where only the system's loader knows the file, there is no size to ask for.
+        let size = std::fs::metadata(&found.file).map_or(0, |m| m.len());
+        memory::need_mapped(&format!("Embree ({file})"), size + BESIDE_BYTES + DEVICE_BYTES, WITHOUT)?;
         // SAFETY: loading runs the library's initialisers; Embree's and TBB's have no preconditions. What else may
         // bear this name is the word of whoever set EMBREE_DIR or administers the system.
         let handle = unsafe { libloading::Library::new(&found.file) }.map_err(|e| {
@@ -88,7 +107,7 @@ impl Library {
         if device.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (api.device_error)(std::ptr::null_mut()) };
-            return Err(Unavailable::Failed(format!("{file} makes no device: {}", error_name(code))));
+            return Err(reported(code, format!("{file} makes no device: {}", error_name(code))));
         }
         // SAFETY: a device that was just made; unknown properties are answered by 0.
         let property = |which| unsafe { (api.device_property)(device, which) };
@@ -105,10 +124,12 @@ impl Library {
         // SAFETY: released once, not used again.
         unsafe { (api.release_device)(device) };
         if version[0] != 4 {
-            return Err(Unavailable::Version { library: file.to_string(), found: version, needed: 4, cure: CURE });
+            return Err(
+                Unavailable::Version { library: file.to_string(), found: version, needed: 4, cure: CURE }.into()
+            );
         }
         if culling {
-            return Err(Unavailable::Unfit(format!("{file} was built to cull back faces; {CURE}")));
+            return Err(Unavailable::Unfit(format!("{file} was built to cull back faces; {CURE}")).into());
         }
         Ok(Self { api, file: found.file.clone(), because: found.because, version, tasking, native16, masks })
     }
@@ -135,7 +156,8 @@ impl Library {
 /// What Embree reports of a device behind our back.
 #[derive(Default)]
 struct Log {
-    error: Mutex<Option<String>>,
+    /// The first error: its code, and what Embree says of it.
+    error: Mutex<Option<(c_int, String)>>,
     bytes: AtomicIsize,
 }
 
@@ -156,13 +178,9 @@ impl Device {
     /// A device with `threads` build threads (0: one a processor).
     ///
     /// # Errors
-    /// [`Unavailable::Failed`] where Embree makes none, because the CPU lacks the instructions asked for above all.
-    pub fn open(
-        library: &'static Library,
-        threads: usize,
-        frequency: Frequency,
-        isa: Isa,
-    ) -> Result<Arc<Self>, Unavailable> {
+    pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
+        let workers = if threads == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { threads };
+        memory::need_mapped("an Embree device", DEVICE_BYTES + workers as u64 * THREAD_BYTES, WITHOUT)?;
         let mut config = format!("verbose=0,threads={threads}");
         let narrow = matches!(isa, Isa::Sse42 | Isa::Avx);
         if frequency == Frequency::Widest && !narrow && has_avx2() {
@@ -179,8 +197,8 @@ impl Device {
         if raw.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (library.api.device_error)(std::ptr::null_mut()) };
-            let (config, why) = (config.to_string_lossy(), error_name(code));
-            return Err(Unavailable::Failed(format!("no device for {config}: {why}")));
+            let config = config.to_string_lossy();
+            return Err(reported(code, format!("no device for {config}: {}", error_name(code))));
         }
         // SAFETY: the log outlives the device, and both callbacks take it for what it is.
         unsafe {
@@ -220,9 +238,9 @@ impl Device {
     }
 
     /// Fails with what Embree has reported since the last call.
-    pub(super) fn check(&self) -> Result<(), Unavailable> {
+    pub(super) fn check(&self) -> Result<()> {
         match self.log.error.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(message) => Err(Unavailable::Failed(message)),
+            Some((code, message)) => Err(reported(code, message)),
             None => Ok(()),
         }
     }
@@ -232,7 +250,7 @@ impl Device {
     ///
     /// # Errors
     /// As [`SceneBuilder::commit`].
-    pub fn bytes_written_past(self: &Arc<Self>, ends: [usize; 3]) -> Result<[usize; 3], Unavailable> {
+    pub fn bytes_written_past(self: &Arc<Self>, ends: [usize; 3]) -> Result<[usize; 3]> {
         const ROOM: usize = 16 * 1024;
         const UNTOUCHED: u8 = 0xA5;
         #[repr(C, align(64))]
@@ -280,7 +298,7 @@ impl Device {
             let hit = (0..n).all(|lane| written[4 * (18 * n + lane)..][..4] == [0; 4]);
             if !hit {
                 let file = self.library.file.display();
-                return Err(Unavailable::Unfit(format!("{file} misses a test triangle; {CURE}")));
+                return Err(Unavailable::Unfit(format!("{file} misses a test triangle; {CURE}")).into());
             }
             past[k] = written[ends[k]..].iter().filter(|&&b| b != UNTOUCHED).count();
         }
@@ -316,7 +334,16 @@ unsafe extern "C" fn note_error(user: *mut c_void, code: c_int, message: *const 
     log.error
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert_with(|| format!("{}: {text}", error_name(code)));
+        .get_or_insert_with(|| (code, format!("{}: {text}", error_name(code))));
+}
+
+/// The error for what Embree reports.
+fn reported(code: c_int, message: String) -> Error {
+    if code == OUT_OF_MEMORY {
+        memory::ran_out("Embree's hierarchy", WITHOUT)
+    } else {
+        Unavailable::Failed(message).into()
+    }
 }
 
 /// Keeps count of the bytes; always agrees.

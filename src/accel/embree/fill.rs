@@ -8,7 +8,7 @@ use super::options::{Options, Spheres};
 use super::scene::SceneBuilder;
 use super::sphere::SphereGroup;
 use crate::accel::BuildStats;
-use crate::error::Unavailable;
+use crate::error::Result;
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 
 /// What is gathered while scenes are filled.
@@ -28,7 +28,7 @@ impl Filling<'_> {
         geometry: &[Geometry],
         kind: GeometryMask,
         group: u32,
-    ) -> Result<(), Unavailable> {
+    ) -> Result<()> {
         let mut spheres = Vec::new();
         for (id, g) in (0_u32..).zip(geometry).filter(|(_, g)| g.mask == kind) {
             match &g.shape {
@@ -54,13 +54,7 @@ impl Filling<'_> {
     }
 
     /// Puts the usable triangles of `mesh` into `scene`.
-    fn mesh(
-        &mut self,
-        scene: &mut SceneBuilder,
-        id: u32,
-        kind: GeometryMask,
-        mesh: &TriMesh,
-    ) -> Result<(), Unavailable> {
+    fn mesh(&mut self, scene: &mut SceneBuilder, id: u32, kind: GeometryMask, mesh: &TriMesh) -> Result<()> {
         let all = mesh.triangles.len();
         let usable = (0..all).into_par_iter().filter(|&i| mesh.is_usable(i)).map(|i| i as u32);
         let count = usable.clone().count();

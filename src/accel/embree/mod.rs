@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::{BuildStats, Coherence, Counts, Intersector};
-use crate::error::{Result, Unavailable};
+use crate::error::{Error, Result, Unavailable};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8};
 use crate::simd::Mask8;
 use crate::system::memory;
@@ -147,7 +147,11 @@ impl Embree {
 /// # Errors
 /// [`Unavailable`], where it is missing or unfit.
 pub fn installed() -> std::result::Result<Installed, Unavailable> {
-    Library::open(None).map(Library::installed)
+    match Library::open(None) {
+        Ok(library) => Ok(library.installed()),
+        Err(Error::Unavailable(why)) => Err(why),
+        Err(other) => Err(Unavailable::Failed(other.to_string())),
+    }
 }
 
 impl Intersector for Embree {

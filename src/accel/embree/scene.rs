@@ -8,7 +8,7 @@ use glam::{Vec3, Vec4};
 use super::device::Device;
 use super::options::Quality;
 use super::sys::{self, BoundsArguments, CallbackArguments, QueryArguments, RtcBounds, Valid};
-use crate::error::Unavailable;
+use crate::error::{Error, Result, Unavailable};
 use crate::geometry::Aabb;
 
 /// Shapes that Embree asks us to intersect.
@@ -54,8 +54,8 @@ impl SceneBuilder {
     /// An empty scene.
     ///
     /// # Errors
-    /// [`Unavailable::Failed`] where Embree makes none.
-    pub fn new(device: &Arc<Device>, robust: bool, quality: Quality) -> Result<Self, Unavailable> {
+    /// [`Error::Unavailable`] where Embree makes none.
+    pub fn new(device: &Arc<Device>, robust: bool, quality: Quality) -> Result<Self> {
         let api = device.api();
         // SAFETY: the device lives.
         let raw = unsafe { (api.new_scene)(device.raw()) };
@@ -73,14 +73,8 @@ impl SceneBuilder {
     /// Adds triangles as geometry `id`. Embree leaves out those whose indices are out of range.
     ///
     /// # Errors
-    /// [`Unavailable::Failed`] where memory runs out.
-    pub fn triangles(
-        &mut self,
-        id: u32,
-        mask: u32,
-        positions: &[Vec3],
-        triangles: &[[u32; 3]],
-    ) -> Result<(), Unavailable> {
+    /// A limit where memory runs out.
+    pub fn triangles(&mut self, id: u32, mask: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_TRIANGLE)?;
         geometry.buffer(sys::BUFFER_VERTEX, sys::FORMAT_FLOAT3, positions)?;
         geometry.buffer(sys::BUFFER_INDEX, sys::FORMAT_UINT3, triangles)?;
@@ -91,8 +85,8 @@ impl SceneBuilder {
     /// Adds Embree's own spheres, centre and radius each, as geometry `id`.
     ///
     /// # Errors
-    /// [`Unavailable::Failed`] where memory runs out.
-    pub fn sphere_points(&mut self, id: u32, mask: u32, spheres: &[Vec4]) -> Result<(), Unavailable> {
+    /// A limit where memory runs out.
+    pub fn sphere_points(&mut self, id: u32, mask: u32, spheres: &[Vec4]) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_SPHERE_POINT)?;
         geometry.buffer(sys::BUFFER_VERTEX, sys::FORMAT_FLOAT4, spheres)?;
         geometry.attach(&self.0, id, mask);
@@ -102,8 +96,8 @@ impl SceneBuilder {
     /// Adds shapes of our own as geometry `id`.
     ///
     /// # Errors
-    /// [`Unavailable::Failed`] where memory runs out.
-    pub fn user<T: UserGeometry + 'static>(&mut self, id: u32, mask: u32, user: T) -> Result<(), Unavailable> {
+    /// A limit where memory runs out.
+    pub fn user<T: UserGeometry + 'static>(&mut self, id: u32, mask: u32, user: T) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_USER)?;
         let user = Arc::new(user);
         let address: *mut c_void = Arc::as_ptr(&user).cast_mut().cast();
@@ -125,8 +119,8 @@ impl SceneBuilder {
     /// Builds the hierarchy.
     ///
     /// # Errors
-    /// [`Unavailable::Failed`] with whatever Embree found wrong, out of memory above all.
-    pub fn commit(self) -> Result<Scene, Unavailable> {
+    /// A limit where memory runs out; [`Unavailable::Failed`] with any other error of Embree.
+    pub fn commit(self) -> Result<Scene> {
         // SAFETY: scene and device live.
         unsafe { (self.0.device.api().commit_scene)(self.0.raw) };
         self.0.device.check()?;
@@ -198,14 +192,14 @@ struct NewGeometry {
 }
 
 impl NewGeometry {
-    fn new(device: &Arc<Device>, kind: c_int) -> Result<Self, Unavailable> {
+    fn new(device: &Arc<Device>, kind: c_int) -> Result<Self> {
         // SAFETY: the device lives.
         let raw = unsafe { (device.api().new_geometry)(device.raw(), kind) };
         if raw.is_null() { Err(refused(device, "makes no geometry")) } else { Ok(Self { raw, device: device.clone() }) }
     }
 
     /// Copies `items` into a buffer of Embree's, which is padded as its loads need.
-    fn buffer<T: Copy>(&self, which: c_int, format: c_int, items: &[T]) -> Result<(), Unavailable> {
+    fn buffer<T: Copy>(&self, which: c_int, format: c_int, items: &[T]) -> Result<()> {
         let api = self.device.api();
         // SAFETY: the geometry lives; all items have the size of the format.
         let start = unsafe { (api.new_buffer)(self.raw, which, 0, format, size_of::<T>(), items.len()) };
@@ -236,8 +230,8 @@ impl Drop for NewGeometry {
 }
 
 /// What Embree reported, or else `what`.
-fn refused(device: &Device, what: &str) -> Unavailable {
-    device.check().err().unwrap_or_else(|| Unavailable::Failed(what.into()))
+fn refused(device: &Device, what: &str) -> Error {
+    device.check().err().unwrap_or_else(|| Unavailable::Failed(what.into()).into())
 }
 
 unsafe extern "C" fn bounds_callback<T: UserGeometry>(arguments: *const BoundsArguments) {

@@ -1,43 +1,44 @@
-//! One ray of a recorded pixel.
+//! Recorded ray of a pixel.
 
 use glam::DVec3;
 
 use super::Node;
 use crate::render::RayKind;
 
-/// A ray from where it was sent to what it met there.
+/// Recorded ray, from its origin to its hit.
 #[derive(Clone, Debug)]
 pub struct Event {
-    /// The ray whose surface sent it; none for a camera ray.
+    /// Ray whose surface sent it; `None` for a camera ray.
     pub parent: Option<Node>,
-    /// What it was sent for.
+    /// Purpose of the ray.
     pub kind: RayKind,
-    /// How often light was reflected or refracted before it.
+    /// Number of reflections and refractions before it.
     pub depth: u32,
-    /// Start, in scene units, off the surface it left.
+    /// Origin, in scene units, offset from the surface it left.
     pub origin: DVec3,
     /// Unit direction.
     pub dir: DVec3,
-    /// The share of what it brings that reaches the pixel, per channel, as it was sent.
+    /// Throughput per channel at the origin.
     pub weight: DVec3,
-    /// The media it is in, places in `Scene::media`, highest priority last; empty in what surrounds everything.
+    /// Media around it, as indices into `Scene::media`, highest priority last. Empty in the medium that surrounds
+    /// everything.
     pub media: Vec<u32>,
-    /// Distance to what it met; infinite where it met nothing.
+    /// Distance to the hit; infinite for a miss.
     pub t: f64,
-    /// The weight on arrival: what the medium left of `weight`.
+    /// Throughput at the hit, after absorption.
     pub arrived: DVec3,
-    /// What it met.
+    /// Result of the intersection.
     pub met: Met,
-    /// How the surface divided the light; none where there was no surface.
+    /// Division of light at the surface; `None` without a surface.
     pub split: Option<Split>,
-    /// What was added to the pixel here.
+    /// Contributions to the pixel at this hit.
     pub shares: Vec<Share>,
-    /// Rays that were not sent.
+    /// Secondary rays that were not sent.
     pub cut: Vec<Cut>,
 }
 
 impl Event {
-    /// A ray that was sent and has met nothing yet.
+    /// Creates the record of a ray that has not been traced yet.
     #[must_use]
     pub fn sent(parent: Option<Node>, kind: RayKind, depth: u32, line: (DVec3, DVec3), weight: DVec3) -> Self {
         Self {
@@ -57,7 +58,7 @@ impl Event {
         }
     }
 
-    /// The object it met, a place in `Scene::objects`.
+    /// Returns the object that was hit, as an index into `Scene::objects`.
     #[must_use]
     pub fn object(&self) -> Option<u32> {
         match self.met {
@@ -67,56 +68,56 @@ impl Event {
     }
 }
 
-/// What a ray met.
+/// Result of a ray's intersection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Met {
-    /// Nothing: it sees the environment.
+    /// Miss; the ray sees the environment.
     Nothing,
-    /// Whatever it met, the medium on the way left nothing of its light.
+    /// Full absorption on the way to the hit, if any.
     Spent,
-    /// A surface that is not there, inside a medium of higher priority: the ray goes straight on.
+    /// Surface inside a medium of higher priority, which the ray passes.
     Absent {
-        /// Place in `Scene::objects`.
+        /// Index into `Scene::objects`.
         object: u32,
         /// Triangle within a mesh; 0 on other shapes.
         primitive: u32,
-        /// Place, in scene units.
+        /// Position in scene units.
         point: DVec3,
     },
-    /// A surface.
+    /// Surface that was shaded.
     Surface {
-        /// Place in `Scene::objects`.
+        /// Index into `Scene::objects`.
         object: u32,
         /// Triangle within a mesh; 0 on other shapes.
         primitive: u32,
-        /// Place, in scene units.
+        /// Position in scene units.
         point: DVec3,
-        /// Whether the ray came from outside.
+        /// True if the ray arrived from outside.
         front: bool,
         /// Cosine of the angle of incidence, to the shading normal.
         cos_i: f64,
     },
 }
 
-/// How a surface divided the light that arrived, in parts of it, per channel.
+/// Division of the arriving light at a surface, in shares per channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// Indices of refraction on the ray's side and behind; none where the surface has no boundary between media.
+    /// Refractive indices on the ray's side and behind; `None` if the surface bounds no media.
     pub indices: Option<(f64, f64)>,
-    /// Cosine of the angle of refraction; none where light is not bent.
+    /// Cosine of the angle of refraction; `None` where light is not bent.
     pub cos_t: Option<f64>,
-    /// Whether reflection is total.
+    /// True if reflection is total.
     pub total: bool,
-    /// What the reflected ray carries on.
+    /// Share of the reflected ray.
     pub reflected: DVec3,
-    /// What the transmitted ray carries on, after tint.
+    /// Share of the transmitted ray, after tint.
     pub transmitted: DVec3,
-    /// What stays: the part that reaches an opaque base, the part that a tint or a metal takes.
+    /// Share that goes no further: taken by an opaque base, a tint or a metal.
     pub absorbed: DVec3,
 }
 
 impl Split {
-    /// An opaque surface: all of it stays.
+    /// Division at an opaque surface, where no light continues.
     pub const OPAQUE: Self = Self {
         indices: None,
         cos_t: None,
@@ -126,56 +127,56 @@ impl Split {
         absorbed: DVec3::ONE,
     };
 
-    /// Reflected, transmitted and absorbed together: 1 but for rounding, or energy is lost or made.
+    /// Returns the sum of all shares. It is 1, up to rounding, where energy is conserved.
     #[must_use]
     pub fn sum(&self) -> DVec3 {
         self.reflected + self.transmitted + self.absorbed
     }
 }
 
-/// Something that was added to the pixel, or would have been.
+/// Contribution to the pixel, including light that was blocked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// Where the light is from.
+    /// Source of the light.
     pub source: Source,
-    /// What would have been added with nothing in the way.
+    /// Contribution without occlusion.
     pub unshadowed: DVec3,
-    /// What was added, weights and all.
+    /// Contribution as added, with all weights.
     pub radiance: DVec3,
-    /// The object that blocks a lamp, a place in `Scene::objects`, where one does.
+    /// Object that blocks a lamp, as an index into `Scene::objects`.
     pub blocker: Option<u32>,
 }
 
 impl Share {
-    /// Light that nothing can be in the way of.
+    /// Creates a contribution that cannot be occluded.
     #[must_use]
     pub fn free(source: Source, radiance: DVec3) -> Self {
         Self { source, unshadowed: radiance, radiance, blocker: None }
     }
 }
 
-/// Where light is from.
+/// Source of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// Beyond everything.
+    /// Environment seen by a ray that hit nothing.
     Environment,
-    /// The environment in a mirror that looks it up.
+    /// Environment looked up by a mirror.
     MirroredEnvironment,
-    /// The surface: emission, and ambient light.
+    /// Emission and reflected ambient light of the surface.
     Glow,
-    /// A light, a place in `Scene::lights`.
+    /// Light, as an index into `Scene::lights`.
     Light(u32),
 }
 
-/// A ray that was not sent.
+/// Secondary ray that was not sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
-    /// What it would have been sent for.
+    /// Purpose it would have had.
     pub kind: RayKind,
-    /// The weight it would have carried, which counts as truncated.
+    /// Throughput it would have had, which counts as truncated.
     pub weight: DVec3,
-    /// Whether the depth limit ended it, or how light it was. (Neither: it passed too many surfaces that are not there.)
+    /// True if the depth limit ended the ray. Neither this nor `too_light` is set if it passed too many surfaces.
     pub too_deep: bool,
-    /// Whether it was lighter than the cut-off.
+    /// True if its weight was below the cut-off.
     pub too_light: bool,
 }

@@ -1,8 +1,8 @@
-//! The eight-wide renderer, one ray at a time.
+//! Recorder for the eight-wide renderer, which traces one ray at a time.
 //!
-//! A ray goes through the same functions as in a picture ([`crate::render::stages`]), in a stream of its own; what each of
-//! them did is read off the queues and the sums. Neither can tell with whom a ray was traced, so that a pixel comes out
-//! as in the picture, to the bit, and no stage knows that it is being watched.
+//! Each ray runs through the same functions as in a picture ([`crate::render::stages`]), in a stream of its own. The
+//! effect of each stage is read from the queues and the sums. These do not depend on the other rays of a stream. So the
+//! pixel equals that of the picture, to the bit, and no stage contains code for recording.
 
 use std::mem::take;
 use std::sync::atomic::Ordering::Relaxed;
@@ -27,7 +27,7 @@ use crate::scene::Interface;
 use crate::simd::{F32x8, Vec3x8};
 use crate::{Error, Result};
 
-/// A ray that waits, alone in the first lane of its packet.
+/// Queued ray, alone in the first lane of its packet.
 struct Waiting {
     chunk: Chunk,
     depth: usize,
@@ -35,17 +35,17 @@ struct Waiting {
     node: Node,
 }
 
-/// A ray that a split stage sent, with no thought of the limits.
+/// Secondary ray that a split stage sent while no limits applied.
 struct Sent {
     kind: RayKind,
     weight: Vec3x8,
     dir: Vec3x8,
 }
 
-/// Everything that comes of a tile of one pixel. The sums are left in the worker's accumulator.
+/// Traces and records all rays of a tile of one pixel. Leaves the sums in the worker's accumulator.
 ///
 /// # Errors
-/// `Interrupted`.
+/// Returns [`Error::Interrupted`] if the observer requests a stop.
 pub fn record<I: Intersector>(worker: &mut Worker<I>, tile: &Tile) -> Result<Tree> {
     let mut tree = Tree::default();
     worker.shading.accumulator.reset(1);
@@ -131,7 +131,7 @@ impl<I: Intersector> Worker<'_, I> {
         if glow != DVec3::ZERO {
             tree.at(ray.node, |event| event.shares.push(Share::free(Source::Glow, glow)));
         }
-        // Marching shadows gather surfaces of their own into the worker's list.
+        // The march of shadow rays fills the worker's list with surfaces of its own.
         let surfaces = take(&mut self.surfaces);
         for &(light, shine) in &stages.lights {
             let before = self.added();
@@ -156,12 +156,12 @@ impl<I: Intersector> Worker<'_, I> {
         Ok(())
     }
 
-    /// Adds what a lamp with an extent sends to the surface, and says what it was, all its points together; none where
-    /// it would be nothing without any shadow.
+    /// Adds the light of an area lamp to the surface and returns it as one contribution. Returns `None` if it is zero
+    /// even without occlusion.
     fn soft_share(&mut self, lamp: usize, soft: &SoftStages, depth: usize, coherence: Coherence) -> Option<Share> {
         let sums = take(&mut self.shading.accumulator);
         self.shading.accumulator.reset(1);
-        (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+        (soft.unoccluded)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
         let unshadowed = from_fixed(self.shading.accumulator.sums(0).0);
         self.shading.accumulator = sums;
         if unshadowed == DVec3::ZERO {
@@ -170,18 +170,18 @@ impl<I: Intersector> Worker<'_, I> {
         let before = self.added();
         let mut shadow = None;
         if soft.shadows {
-            (soft.ask)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+            (soft.shadowed)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
             shadow = self.shading.shadows.rays.first().copied();
             self.flush_shadows(depth, coherence);
         } else {
-            (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+            (soft.unoccluded)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
         }
         let radiance = self.added_since(before);
         let blocker = shadow.filter(|_| radiance == DVec3::ZERO).and_then(|shadow| self.blocker(shadow));
         Some(Share { source: Source::Light(lamp as u32), unshadowed, radiance, blocker })
     }
 
-    /// Writes down the surface that was met, how it divides light, and what the limits will cut off.
+    /// Records the surface hit, its division of light, and the rays that the limits will end.
     fn see(&mut self, ray: &Waiting, tree: &mut Tree) {
         let surface = self.surfaces[0].clone();
         let cos_i = -surface.incident.dot(surface.shading);
@@ -219,8 +219,7 @@ impl<I: Intersector> Worker<'_, I> {
         });
     }
 
-    /// What a split stage does with a surface that light of some weight arrives at, were there no limits. Nothing of it
-    /// stays.
+    /// Runs a split stage on a surface with light of some weight and without limits. Restores the state afterwards.
     fn tried(&mut self, split: Option<SplitStage>, surface: &Surface8, weight: Vec3x8, depth: usize) -> Tried {
         let mut surfaces = [Surface8 { weight, base_weight: weight, ..surface.clone() }];
         let Some(split) = split else {
@@ -246,7 +245,7 @@ impl<I: Intersector> Worker<'_, I> {
         Tried { surface, sent, lost }
     }
 
-    /// How a surface divides light, from what its stage makes of a weight of 1.
+    /// Returns the division of light at a surface, from its stage's result for a weight of 1.
     fn split(&mut self, surface: &Surface8, unit: &Tried, cos_i: F32x8) -> Split {
         let shading = &mut self.shading;
         let of = |kind: RayKind| unit.sent.iter().find(|sent| sent.kind == kind);
@@ -278,7 +277,7 @@ impl<I: Intersector> Worker<'_, I> {
                 let indices = if transition.unmatched {
                     (ior(from), ior(to))
                 } else {
-                    // A coloured ray has the indices of its wavelength.
+                    // A ray of one wavelength uses the indices at that wavelength.
                     let before = if shading.media.top(stack) == from { shading.media.ior(stack) } else { ior(from) };
                     let beyond = shading.media.ior(transition.beyond);
                     (before, if shading.media.top(transition.beyond) == to { beyond } else { ior(to) })
@@ -293,14 +292,14 @@ impl<I: Intersector> Worker<'_, I> {
                 });
                 let absorbed = if crossing.total { DVec3::ZERO } else { tinted(tint) };
                 let cos_t = bent.map(f64::from);
-                // What a formula that knows no direction loses is light that went through.
+                // Light that the formula lost for lack of a direction counts as transmitted.
                 let transmitted = transmitted + unit.lost;
                 Split { indices: Some(indices), cos_t, total: crossing.total, transmitted, absorbed, ..split }
             }
         }
     }
 
-    /// The nearest thing that blocks a shadow ray all by itself.
+    /// Returns the nearest object that blocks a shadow ray by itself.
     fn blocker(&mut self, mut shadow: Ray8) -> Option<u32> {
         shadow.active = 1;
         shadow.t_max = before_lamp(shadow.origin, shadow.dir, shadow.t_max);
@@ -310,28 +309,28 @@ impl<I: Intersector> Worker<'_, I> {
         hit.is_hit().then_some(hit.geometry)
     }
 
-    /// What the pixel has come to.
+    /// Returns the current radiance sum of the pixel.
     fn added(&self) -> [i128; 3] {
         self.shading.accumulator.sums(0).0
     }
 
-    /// What was added since it came to `before`.
+    /// Returns the radiance added since the sum was `before`.
     fn added_since(&self, before: [i128; 3]) -> DVec3 {
         let now = self.added();
         from_fixed(std::array::from_fn(|k| now[k] - before[k]))
     }
 }
 
-/// What [`Worker::tried`] found.
+/// Result of [`Worker::tried`].
 struct Tried {
-    /// With what its base is worth.
+    /// Surface with the weight of its base.
     surface: Surface8,
     sent: Vec<Sent>,
-    /// Weight that no ray was found for.
+    /// Weight of light for which the formula gave no direction.
     lost: DVec3,
 }
 
-/// Takes every ray out of the queues, each into a packet of its own.
+/// Moves all rays out of the queues, each into a packet of its own.
 fn drained(shading: &mut Shading) -> Vec<(RayKind, usize, Chunk)> {
     let mut rays = Vec::new();
     while let Some((depth, kind)) = shading.next_queue(usize::MAX) {
@@ -342,12 +341,12 @@ fn drained(shading: &mut Shading) -> Vec<(RayKind, usize, Chunk)> {
             rays.extend(lanes.map(|lane| (kind, depth, alone(&chunk, packet, lane))));
         }
     }
-    // Transmitted first, so that the reflected one, taken from the end, is followed first.
+    // Transmitted rays first: rays are taken from the end, so the reflected one is traced first.
     rays.sort_by_key(|(kind, ..)| *kind == RayKind::Reflected);
     rays
 }
 
-/// One ray in the first lane of a packet.
+/// Copies one ray to the first lane of a new packet.
 fn alone(chunk: &Chunk, packet: usize, lane: usize) -> Chunk {
     let (from, state) = (&chunk.rays[packet], &chunk.states[packet]);
     let all = |x: F32x8| F32x8::from(x.lane(lane));
@@ -370,7 +369,7 @@ fn alone(chunk: &Chunk, packet: usize, lane: usize) -> Chunk {
     Chunk { rays: vec![ray], states: vec![state], extras: Vec::new() }
 }
 
-/// What is written down of a ray as it is sent.
+/// Creates the record of a ray that is about to be traced.
 fn event(shading: &Shading, chunk: &Chunk, parent: Option<Node>, kind: RayKind, depth: usize) -> Event {
     let (ray, state) = (&chunk.rays[0], &chunk.states[0]);
     let line = (ray.origin.lane(0).as_dvec3(), ray.dir.lane(0).as_dvec3());
@@ -378,12 +377,12 @@ fn event(shading: &Shading, chunk: &Chunk, parent: Option<Node>, kind: RayKind, 
     Event { media, ..Event::sent(parent, kind, depth as u32, line, widened(state.weight)) }
 }
 
-/// The first lane.
+/// Converts the first lane to `f64`.
 fn widened(v: Vec3x8) -> DVec3 {
     v.lane(0).as_dvec3()
 }
 
-/// From units of 2^-64. Exact for a single contribution, which has the digits of an `f32`.
+/// Converts from units of 2^-64. Exact for a single contribution, which has the digits of an `f32`.
 fn from_fixed(sums: [i128; 3]) -> DVec3 {
     DVec3::from_array(sums.map(|s| s as f64 * 2.0_f64.powi(-64)))
 }

@@ -1,7 +1,7 @@
-//! What becomes of the rays of one pixel, written down: for looking into a picture, not for making one.
+//! Records of all rays of one pixel, for inspecting a picture.
 //!
-//! A renderer takes its [`Recorder`] as a type. [`Off`], every picture's, has nothing to call, so that nothing is paid
-//! for; [`Tree`] keeps every ray with what it met, how it was split, what it added to the pixel and what was cut off.
+//! A renderer takes its [`Recorder`] as a type. [`Off`], used for every picture, does nothing and costs nothing.
+//! [`Tree`] keeps every ray with its hit, its division of light, its contributions and the rays that were cut.
 
 mod event;
 mod follow;
@@ -12,22 +12,22 @@ use super::RayKind;
 pub(super) use follow::record;
 use glam::DVec3;
 
-/// A ray's place in [`Tree::events`].
+/// Index of a ray in [`Tree::events`].
 pub type Node = u32;
 
-/// Events that are kept, at most: a depth of 16 through nested glass has some 2^17.
+/// Largest number of rays kept. A depth of 16 through nested glass has some 2^17.
 const MOST_EVENTS: usize = 1 << 20;
 
-/// Something that may keep what a renderer does.
+/// Recorder of a renderer's work.
 pub trait Recorder: Default + Send {
-    /// Whether it does. What only a recorder needs is worked out under this.
+    /// True if the recorder keeps anything. Guards computations that only a recorder needs.
     const ON: bool;
 
-    /// Writes something down; [`Off`] never calls `what`.
+    /// Records something by `what`; [`Off`] never calls it.
     fn note<T: Default>(&mut self, what: impl FnOnce(&mut Tree) -> T) -> T;
 }
 
-/// Keeps nothing.
+/// Recorder that keeps nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Off;
 
@@ -40,12 +40,12 @@ impl Recorder for Off {
     }
 }
 
-/// The rays of a pixel, each after the one that sent it. Numbers of an `f32` renderer are widened, which loses nothing.
+/// Tree of a pixel's rays, each after the one that sent it. Numbers of an `f32` renderer are widened without loss.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
-    /// Every ray, camera rays among them: those with no parent, in the order of the samples.
+    /// All rays. Camera rays are those without a parent, in the order of the samples.
     pub events: Vec<Event>,
-    /// Rays that were too many to be kept.
+    /// Number of rays left out because there were too many.
     pub left_out: u64,
 }
 
@@ -59,7 +59,7 @@ impl Recorder for Tree {
 }
 
 impl Tree {
-    /// Adds a ray that was sent; what there is no room for is counted, and gets no number of its own.
+    /// Adds a ray that was sent, and returns its index. If the tree is full, counts the ray and returns `Node::MAX`.
     pub fn sent(&mut self, ray: Event) -> Node {
         if self.events.len() >= MOST_EVENTS {
             self.left_out += 1;
@@ -69,14 +69,14 @@ impl Tree {
         (self.events.len() - 1) as Node
     }
 
-    /// Changes what is known of a ray, where it was kept.
+    /// Changes the record of a ray, if it was kept.
     pub fn at(&mut self, node: Node, change: impl FnOnce(&mut Event)) {
         if let Some(event) = self.events.get_mut(node as usize) {
             change(event);
         }
     }
 
-    /// The rays that `node` sent, in the order in which they were sent.
+    /// Returns, for each ray, the rays that it sent, in order.
     #[must_use]
     pub fn children(&self) -> Vec<Vec<Node>> {
         let mut children = vec![Vec::new(); self.events.len()];
@@ -88,19 +88,19 @@ impl Tree {
         children
     }
 
-    /// Camera rays, in the order of the samples.
+    /// Returns the camera rays, in the order of the samples.
     #[must_use]
     pub fn roots(&self) -> Vec<Node> {
         let is_root = |i: &usize| self.events[*i].parent.is_none();
         (0..self.events.len()).filter(is_root).map(|i| i as Node).collect()
     }
 
-    /// Everything that was added to the pixel by itself, in no order that matters.
+    /// Iterates over all contributions to the pixel, in no particular order.
     pub fn shares(&self) -> impl Iterator<Item = &Share> {
         self.events.iter().flat_map(|event| &event.shares)
     }
 
-    /// For each ray, what it and all that follows from it added to the pixel: radiance, and weight cut off.
+    /// Returns, for each ray, the radiance and the truncated weight of its subtree.
     #[must_use]
     pub fn totals(&self) -> Vec<(DVec3, DVec3)> {
         let own = |event: &Event| {
@@ -109,7 +109,7 @@ impl Tree {
             (added, cut)
         };
         let mut totals: Vec<_> = self.events.iter().map(own).collect();
-        // A ray comes after the one that sent it.
+        // A ray follows the one that sent it.
         for i in (0..totals.len()).rev() {
             if let Some(parent) = self.events[i].parent {
                 let (added, cut) = totals[i];
@@ -120,7 +120,7 @@ impl Tree {
         totals
     }
 
-    /// How many rays of a kind there are.
+    /// Returns the number of rays of a kind.
     #[must_use]
     pub fn count(&self, kind: RayKind) -> usize {
         self.events.iter().filter(|event| event.kind == kind).count()

@@ -1,18 +1,18 @@
-//! Film position to ray.
+//! Camera rays of the `f64` renderer.
 
 use glam::DVec3;
 
 use crate::scene::{Camera, Projection, Settings};
 
-/// The ray (start and unit direction) through column `x` and row `y` of the film, in pixels from its upper left
-/// corner: pixel (i, j) is centred at (i + 0.5, j + 0.5).
+/// Returns origin and unit direction of the ray through column `x` and row `y` of the film. Both are in pixels from the
+/// upper left corner, so pixel (i, j) is centred at (i + 0.5, j + 0.5).
 pub(super) fn ray(camera: &Camera, settings: &Settings, x: f64, y: f64) -> (DVec3, DVec3) {
     let eye = camera.eye.as_dvec3();
     let forward = (camera.target.as_dvec3() - eye).normalize();
     let right = forward.cross(camera.up.as_dvec3()).normalize();
     let up = right.cross(forward);
     let (width, height) = (f64::from(settings.width), f64::from(settings.height));
-    // From -1 to 1 over the picture's height, square pixels.
+    // From -1 to 1 over the picture's height; pixels are square.
     let across = (2.0 * x - width) / height;
     let above = 1.0 - 2.0 * y / height;
     match camera.projection {

@@ -1,11 +1,11 @@
-//! Colours by place and by direction.
+//! Colour lookup by position and by direction.
 
 use glam::{DVec2, DVec3};
 
 use super::surface::equirectangular;
 use crate::scene::{Beyond, Colour, Environment, Scene};
 
-/// The colour of a surface at `point` with texture coordinates `uv`.
+/// Returns the colour of a surface at `point` with texture coordinates `uv`.
 pub(super) fn on_surface(scene: &Scene, colour: &Colour, point: DVec3, uv: DVec2) -> DVec3 {
     match colour {
         Colour::Constant(rgb) => rgb.as_dvec3(),
@@ -20,7 +20,7 @@ pub(super) fn on_surface(scene: &Scene, colour: &Colour, point: DVec3, uv: DVec2
     }
 }
 
-/// What a ray into the unit direction `dir` sees where it meets nothing.
+/// Returns the environment's radiance in the unit direction `dir`.
 pub(super) fn of_environment(scene: &Scene, dir: DVec3) -> DVec3 {
     match &scene.environment {
         Environment::Constant(rgb) => rgb.as_dvec3(),
@@ -30,7 +30,7 @@ pub(super) fn of_environment(scene: &Scene, dir: DVec3) -> DVec3 {
         }
         Environment::LatLong { texture, scale, rotation } => {
             let uv = equirectangular(dir);
-            // Turning the picture towards +x brings what was further towards -x to where we look.
+            // A rotation towards +x moves the picture's columns from -x to the direction of view.
             let u = uv.x - f64::from(*rotation) / std::f64::consts::TAU;
             scene.textures[*texture as usize].lookup(u, uv.y, Beyond::Hold) * scale.as_dvec3()
         }

@@ -1,18 +1,17 @@
-//! Whether a pixel's value belongs to its camera ray at all.
+//! Condition of a pixel: sensitivity of its value to small changes of its camera ray.
 
 use std::f64::consts::FRAC_PI_4;
 
 use super::{Prepared, film_ray};
 
 impl Prepared<'_> {
-    /// By how little the camera ray has to move for the radiance at a point of the film to move by more than
-    /// `tolerance` in any channel: the first of 1, 2, 4, ... ulps of `f32`, up to `most`, at which it does; none where
-    /// it does not. The ray moves to eight sides, its direction by so many ulps of 1, or its origin by so many of the
-    /// eye's largest coordinate. The point is as in [`Prepared::camera_ray`].
+    /// Returns the smallest change of the camera ray that changes the radiance at a film point by more than `tolerance`
+    /// in any channel. Tries 1, 2, 4, ... ulps of `f32`, up to `most`, and returns `None` if none of them does. The ray
+    /// is moved to eight sides: its direction by so many ulps of 1, or its origin by so many ulps of the eye's largest
+    /// coordinate. The point is as in [`Prepared::camera_ray`].
     ///
-    /// What moves at a few ulps lies at an edge or magnifies roundings, and belongs to no single ray. A renderer in
-    /// `f32` makes such roundings anew at every surface, so that a path of many surfaces counts as moved by a few for
-    /// each.
+    /// A value that changes within a few ulps lies at an edge or magnifies rounding, so it belongs to no single ray. An
+    /// `f32` renderer rounds anew at every surface. So a path of many surfaces counts as moved by a few ulps for each.
     #[must_use]
     pub fn ulps_until_moved(&self, x: f64, y: f64, tolerance: f64, most: f64) -> Option<f64> {
         let (origin, dir) = self.camera_ray(x, y);

@@ -1,4 +1,4 @@
-//! White light at the boundary of a medium that disperses it.
+//! Dispersion in the `f64` renderer.
 
 use glam::DVec3;
 
@@ -10,31 +10,31 @@ use crate::optics::{Boundary, Crossing, SEPARATION};
 use crate::render::record::{Recorder, Split};
 use crate::scene::FresnelRule;
 
-/// The boundary between two media where wavelengths part.
+/// Boundary between two media at which wavelengths may separate.
 #[derive(Clone, Debug)]
 pub(super) struct Dispersing {
     pub from: u32,
     pub to: u32,
-    /// The media behind it.
+    /// Media behind it.
     pub beyond: MediumStack,
     pub rule: FresnelRule,
     pub tint: DVec3,
 }
 
-/// What one wavelength does there.
+/// One wavelength at the boundary.
 struct Band {
     nm: f64,
     weight: DVec3,
     reflected: DVec3,
     boundary: Boundary<f64>,
     crossing: Crossing<f64>,
-    /// By the law of refraction, whichever formula bends it; none where reflection is total.
+    /// Direction by the law of refraction, whichever formula bends the ray; `None` if reflection is total.
     refracted: Option<DVec3>,
 }
 
 impl<L: Recorder> Tracer<'_, '_, L> {
-    /// Sends the wavelengths of a white ray their ways, where those are apart; what they reflect stays together.
-    /// Says whether they were.
+    /// Splits a white ray into wavelengths if their refracted directions separate. The reflected part stays one white
+    /// ray. Returns true if the ray was split.
     pub fn disperse(&mut self, at: &Arrival, boundary: &Dispersing) -> bool {
         let media = &self.prepared.scene.media;
         let disperses = [boundary.from, boundary.to].iter().any(|&m| media[m as usize].disperses());
@@ -85,7 +85,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
     }
 }
 
-/// Whether some of the bands go on and some do not, or any two in directions that differ.
+/// Returns true if only some of the bands are refracted, or if any two directions differ by more than [`SEPARATION`].
 fn apart(bands: &[Band]) -> bool {
     bands.iter().any(|a| {
         bands.iter().any(|b| match (a.refracted, b.refracted) {

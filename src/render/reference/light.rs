@@ -1,4 +1,4 @@
-//! What arrives at a point from a light.
+//! Direct light of lamps at a point, and its occlusion.
 
 use glam::DVec3;
 
@@ -17,25 +17,25 @@ use crate::math::Vector3;
 use crate::optics::{Boundary, FresnelModel, transmittance};
 use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule, Spread};
 
-/// Transmissive surfaces that light passes on its way, at most; more count as an opaque one.
+/// Largest number of transmissive surfaces on the way of light; more count as an opaque surface.
 const MARCHED_AT_MOST: usize = 256;
 
-/// Light that arrives at a point, were nothing in its way.
+/// Light that arrives at a point without occlusion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arriving {
     /// Unit direction towards the light.
     pub towards: DVec3,
-    /// Distance to it; infinite where it shines from infinitely far.
+    /// Distance to the light; infinite for directional light.
     pub distance: f64,
-    /// What a Lambert surface of albedo 1 sends back at normal incidence.
+    /// Radiance reflected by a Lambertian surface of albedo 1 at normal incidence.
     pub diffuse: DVec3,
-    /// What a highlight's colour and lobe are multiplied with.
+    /// Factor of a highlight's colour and lobe.
     pub highlight: DVec3,
 }
 
 impl Arriving {
-    /// The light that reaches `point`; not finite where the light stands on the point. Of a lamp with an extent it is
-    /// what its whole intensity would send from its point `of`.
+    /// Computes the light that reaches `point`; not finite if the light is at the point. For an area lamp this is the
+    /// light of its whole intensity from its sample point `of`, in the unit square.
     pub fn at(light: &Light, point: DVec3, of: [f64; 2]) -> Self {
         let physical = light.falloff == Falloff::InverseSquare;
         let from_point = |position: DVec3| {
@@ -68,7 +68,7 @@ impl Arriving {
     }
 }
 
-/// Direction to a point of a lamp, distance, and what share of its intensity arrives.
+/// Returns the direction to a point of a lamp, its distance, and the share of the intensity that arrives.
 fn from_extent(lamp: &impl Extent<f64>, physical: bool, point: DVec3, of: [f64; 2]) -> (DVec3, f64, f64) {
     let point = Vector3::from(point);
     let seen = if physical { lamp.point::<true>(point, of) } else { lamp.point::<false>(point, of) };
@@ -86,9 +86,9 @@ fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
     }
 }
 
-/// The share of a light at the far end of `ray` that reaches its start, where the media are `stack`, and how often it
-/// left a medium it had never entered. The media have their indices for light of the wavelength `nm`. A ray that starts
-/// between the layers of a place is still to pass those on its way `through` it.
+/// Returns the share of a light at the far end of `ray` that reaches its origin, and the unmatched exits on the way.
+/// `stack` is the medium stack at the origin, and media use their indices at the wavelength `nm`. A ray that starts
+/// between coinciding layers first crosses the remaining ones, given by `through`.
 pub(super) fn let_through(
     prepared: &Prepared,
     ray: &Ray64,
@@ -107,13 +107,13 @@ pub(super) fn let_through(
     }
 }
 
-/// The nearest thing that blocks the light at the far end of `ray` all by itself, a place in the list of geometries.
+/// Returns the nearest object that blocks the light at the far end of `ray` by itself, as an index of geometry.
 pub(super) fn blocker(prepared: &Prepared, ray: &Ray64) -> Option<u32> {
     let hit = prepared.accel.closest(&blocking(prepared, ray));
     hit.is_hit().then_some(hit.geometry)
 }
 
-/// A shadow ray that looks for what blocks it.
+/// Returns the shadow ray restricted to geometry that blocks it.
 fn blocking(prepared: &Prepared, ray: &Ray64) -> Ray64 {
     let admits = match prepared.scene.settings.shadows {
         ShadowRule::Opaque => GeometryMask::ALL,
@@ -122,12 +122,12 @@ fn blocking(prepared: &Prepared, ray: &Ray64) -> Ray64 {
     Ray64 { admits, t_max: end_of(ray), ..*ray }
 }
 
-/// As far as surfaces are in a shadow ray's way.
+/// Returns the `t_max` for occlusion along a shadow ray.
 fn end_of(ray: &Ray64) -> f64 {
     before_lamp(ray.origin.into(), ray.dir.into(), ray.t_max)
 }
 
-/// Straight through every transmissive surface on the way.
+/// Marches light straight through every transmissive surface on the way.
 fn march(
     prepared: &Prepared,
     ray: &Ray64,
@@ -136,7 +136,7 @@ fn march(
     nm: Option<f64>,
 ) -> (DVec3, UnmatchedExits) {
     let (scene, contacts) = (prepared.scene, &prepared.contacts);
-    // What the surface makes of the light depends on none of its polarisation, but what lets it through does.
+    // The light's reflection at the surface does not depend on its polarisation, but its transmission does.
     let carried = (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(ray.dir));
     let mut light = Marched {
         prepared,
@@ -153,7 +153,7 @@ fn march(
         return (DVec3::ZERO, UnmatchedExits::default());
     }
     let mut reached = 0.0;
-    // Faces that were crossed together with one before them, and the parameter up to which they are these.
+    // Faces crossed together with an earlier one, and the ray parameter up to which they are skipped.
     let mut crossed: (Vec<(u32, bool)>, f64) = (Vec::new(), f64::NEG_INFINITY);
     if let Some(place) = through.and_then(|way| Place::resumed(scene, contacts, way)) {
         let (sides, apart) = place.sides(ray.dir);
@@ -191,22 +191,22 @@ struct Marched<'a> {
     ray: &'a Ray64,
     nm: Option<f64>,
     stack: MediumStack,
-    /// The share of it that is left.
+    /// Share of the light that is left.
     share: DVec3,
-    /// Media left that had never been entered.
+    /// Media left without having been entered.
     unmatched: UnmatchedExits,
     carried: Option<Polarisation>,
 }
 
 impl Marched<'_> {
-    /// Takes it over a distance in the medium at hand.
+    /// Absorbs over a distance in the current medium.
     fn absorb(&mut self, distance: f64) {
         let medium = self.stack.top(self.prepared.filled());
         let absorption = self.prepared.scene.media[medium as usize].absorption.as_dvec3();
         self.share *= DVec3::from(transmittance(absorption.into(), distance));
     }
 
-    /// Takes it through all layers of a place that are left.
+    /// Crosses all remaining layers of a point where surfaces touch.
     fn cross_place(&mut self, place: Option<Place>) {
         let Prepared { scene, contacts, .. } = self.prepared;
         let mut place = place;
@@ -230,7 +230,7 @@ impl Marched<'_> {
         }
     }
 
-    /// Takes it through a boundary of media.
+    /// Crosses a boundary between media.
     fn cross_boundary(&mut self, meeting: Meeting, object: u32, outward: DVec3) {
         let Interface::Dielectric { rule, tint, .. } = self.prepared.material(object).interface else { return };
         match meeting {
@@ -250,7 +250,7 @@ impl Marched<'_> {
         }
     }
 
-    /// Takes it through one surface.
+    /// Crosses one surface.
     fn cross_face(&mut self, object: u32, outward: DVec3) {
         let filled = self.prepared.filled();
         match self.prepared.material(object).interface {
@@ -267,14 +267,14 @@ impl Marched<'_> {
                 self.carried = on.polarisation;
             }
             Interface::Alpha { opacity } => self.share *= 1.0 - f64::from(opacity),
-            // Only a wrong geometry mask brings one of these here; it blocks all the same.
+            // Opaque surfaces only arrive here with a wrong geometry mask. They block the light.
             Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
                 self.share = DVec3::ZERO;
             }
         }
     }
 
-    /// The cosine at a surface of unit normal `outward`, and the polarisation that arrives there.
+    /// Returns the cosine at a surface of unit normal `outward`, and the polarisation in its frame.
     fn at(&self, outward: DVec3) -> (f64, Option<Polarisation>) {
         let cos = outward.dot(self.ray.dir).abs() / self.ray.dir.length();
         (cos, self.carried.map(|carried| carried.facing(self.ray.dir, outward)))

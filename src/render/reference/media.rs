@@ -1,4 +1,4 @@
-//! Which medium a ray is in, and what a dielectric surface means to it.
+//! Medium stacks of the `f64` renderer, and the effect of dielectric surfaces on them.
 
 use glam::DVec3;
 
@@ -7,21 +7,21 @@ use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::{GeometryMask, Shape};
 use crate::scene::{Bodies, Medium, Scene};
 
-/// The bodies a ray has entered and not left, by rising rank, among equals in the order of entry. Body 0, which surrounds
-/// everything, is not on it.
+/// Bodies that a ray has entered and not left, by rising rank; equal ranks are in the order of entry. Body 0, which
+/// surrounds everything, is never on the stack.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MediumStack(Vec<u32>);
 
-/// A dielectric surface as a ray meets it.
+/// Effect of a dielectric surface on a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Meeting {
-    /// It lies inside a medium of higher rank, or parts equal media: the ray goes on with this stack.
+    /// The surface lies inside a medium of higher rank, or separates equal media. The ray passes with this stack.
     NotThere(MediumStack),
-    /// It parts medium `from` and medium `to`; what is refracted has the stack `beyond`.
+    /// The surface separates the media `from` and `to`. A refracted ray has the stack `beyond`.
     Boundary { from: u32, to: u32, beyond: MediumStack, unmatched: bool },
 }
 
-/// The media of a scene and the bodies they fill.
+/// Media of a scene and the bodies that they fill.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Filled<'a> {
     pub media: &'a [Medium],
@@ -35,18 +35,18 @@ impl Filled<'_> {
 }
 
 impl MediumStack {
-    /// The media, the one that fills the space last.
+    /// Returns the media on the stack. The last one fills the space around the ray.
     pub fn media(&self, filled: Filled) -> Vec<u32> {
         self.0.iter().map(|&body| filled.bodies.medium(body)).collect()
     }
 
-    /// The medium that fills the space around the ray.
+    /// Returns the medium that fills the space around the ray.
     pub fn top(&self, filled: Filled) -> u32 {
         let top = self.0.last().map(|&body| filled.bodies.medium(body));
         top.filter(|&m| filled.priority(m) >= filled.priority(0)).unwrap_or(0)
     }
 
-    /// With one more body.
+    /// Returns the stack with `body` added.
     pub fn with(&self, filled: Filled, body: u32) -> Self {
         let rank = filled.bodies.rank(body);
         let place = self.0.partition_point(|&b| filled.bodies.rank(b) <= rank);
@@ -55,7 +55,8 @@ impl MediumStack {
         entered
     }
 
-    /// Without the latest entry of a body, or else of another body of its medium; none where there is none.
+    /// Returns the stack without the latest entry of `body`, or else of another body of its medium, with the removed
+    /// position. Returns `None` if there is none.
     fn without(&self, filled: Filled, body: u32) -> Option<(Self, usize)> {
         let medium = filled.bodies.medium(body);
         let own = self.0.iter().rposition(|&b| b == body);
@@ -65,7 +66,8 @@ impl MediumStack {
         Some((left, place))
     }
 
-    /// The meeting of a ray with this stack and the boundary of `body`, whose front or back it arrives at.
+    /// Returns the effect of the boundary of `body` on a ray with this stack. `front` says at which side the ray
+    /// arrives.
     pub fn meet(&self, filled: Filled, body: u32, front: bool) -> Meeting {
         let (current, medium) = (self.top(filled), filled.bodies.medium(body));
         if front {
@@ -84,7 +86,7 @@ impl MediumStack {
         }
     }
 
-    /// The meeting of a ray with this stack and surfaces that coincide: bodies, each with true if it arrives at the front.
+    /// Returns the effect of coinciding surfaces, given as bodies with true if the ray arrives at the front.
     pub fn meet_all(&self, filled: Filled, surfaces: &[(u32, bool)]) -> Meeting {
         if let &[(body, front)] = surfaces {
             return self.meet(filled, body, front);
@@ -110,8 +112,9 @@ impl MediumStack {
     }
 }
 
-/// The stack of a ray that starts at the camera's eye: what the camera says, or else the bodies whose boundaries a ray
-/// from there to infinity leaves without having entered them, and the half spaces of planes that hold the eye.
+/// Returns the stack of a ray that starts at the eye. The camera's medium takes precedence. Otherwise these are the
+/// bodies whose boundaries a ray to infinity leaves without having entered them, and the half spaces of planes that
+/// contain the eye.
 pub(super) fn around_the_eye(scene: &Scene, accel: &Reference, filled: Filled) -> MediumStack {
     match scene.camera.medium {
         Some(0) => return MediumStack::default(),
@@ -119,7 +122,7 @@ pub(super) fn around_the_eye(scene: &Scene, accel: &Reference, filled: Filled) -
         None => {}
     }
     let eye = scene.camera.eye.as_dvec3();
-    // Upwards, but askew: straight up would follow the walls of upright boxes, and meet their diagonals.
+    // Upwards, but tilted: straight up would run along the walls of upright boxes and hit their diagonals.
     let mut ray = Ray64::new(eye, DVec3::new(0.137, 1.0, 0.259).normalize());
     ray.admits = GeometryMask::TRANSMISSIVE;
     let mut around = Vec::new();
@@ -145,6 +148,6 @@ pub(super) fn around_the_eye(scene: &Scene, accel: &Reference, filled: Filled) -
             }
         }
     }
-    // What is left last was entered first.
+    // The body left last was entered first.
     around.iter().rev().fold(MediumStack::default(), |stack, &body| stack.with(filled, body))
 }

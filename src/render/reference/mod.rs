@@ -1,9 +1,9 @@
-//! The second renderer: the same picture in `f64`, one ray at a time, slow and obvious.
+//! Reference renderer: the same picture in scalar `f64`, one ray at a time.
 //!
 //! It follows the description in `src/README.md` ("What a ray does") and the table of shares in
-//! `src/scene/material.rs`, and shares with the eight-wide renderer only what both must mean alike: the formulas of
-//! [`crate::optics`] (here in `f64`) and the scene. It is the source of reference pictures, and the judge of single
-//! pixels: [`Prepared::radiance_at`] and [`Prepared::radiance_along`] answer for any point of the film and any ray.
+//! `src/scene/material.rs`. It shares with the eight-wide renderer only definitions that must agree: the formulas of
+//! [`crate::optics`] (here in `f64`) and the scene. It makes reference pictures and evaluates single pixels.
+//! [`Prepared::radiance_at`] and [`Prepared::radiance_along`] accept any point of the film and any ray.
 
 mod camera;
 mod colour;
@@ -39,12 +39,12 @@ use media::{Filled, MediumStack};
 pub use tally::Tally;
 use trace::Tracer;
 
-/// A scene made ready to trace rays in.
+/// Scene prepared for tracing.
 #[derive(Debug)]
 pub struct Prepared<'a> {
     scene: &'a Scene,
     accel: Reference,
-    /// The fillings of transparent objects.
+    /// Bodies of transparent objects.
     bodies: Bodies,
     /// Touching surfaces.
     contacts: Contacts,
@@ -53,30 +53,29 @@ pub struct Prepared<'a> {
     refraction: RefractionModel,
     oliveira: Oliveira,
     reflection: Reflection,
-    /// Whether light ends where it would be reflected totally.
+    /// True if light ends where it would be totally reflected.
     total_is_lost: bool,
-    /// What a ray of weight 1 can bring at most, over the error that cutting it may make, where that is asked for; or why
-    /// it cannot be had.
+    /// Tolls of rays of weight 1, if a proven cut-off is requested, or the reason why there are none.
     tolls: std::result::Result<Option<Ceiling>, String>,
-    /// Most reflections and refractions of a ray.
+    /// Largest number of reflections and refractions along a path.
     max_depth: u32,
-    /// What camera rays start in.
+    /// Medium stack of camera rays.
     stack: MediumStack,
-    /// Where lamps with an extent are sampled.
+    /// Sample points on area lamps.
     points: LampPoints,
-    /// The wavelengths of a pixel's samples.
+    /// Wavelengths of a pixel's samples.
     spectrum: Spectrum,
 }
 
 impl<'a> Prepared<'a> {
-    /// [`Prepared::with`] options that differ from the default ones in the Fresnel formula alone.
+    /// Prepares a scene with a Fresnel formula and otherwise default options; see [`Prepared::with`].
     #[must_use]
     pub fn new(scene: &'a Scene, fresnel: FresnelModel) -> Self {
         Self::with(scene, &Options { fresnel, ..Options::default() })
     }
 
-    /// Builds the hierarchy and finds the media around the eye. What the options leave out of the scene's data is for the
-    /// caller to take out ([`effects::without`]).
+    /// Builds the hierarchy and finds the media around the eye. The caller must first remove effects that the options
+    /// leave out of the scene's data ([`effects::without`]).
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
         let &Options { fresnel, oliveira, reflection, .. } = options;
@@ -109,66 +108,66 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// The same with another depth limit than the scene's.
+    /// Replaces the scene's depth limit.
     #[must_use]
     pub fn with_depth(self, max_depth: u32) -> Self {
         Self { max_depth, ..self }
     }
 
-    /// What was built.
+    /// Returns statistics of the build.
     #[must_use]
     pub fn build_stats(&self) -> BuildStats {
         self.accel.stats()
     }
 
-    /// Start and unit direction of the camera ray through column `x` and row `y` of the film, in pixels from its upper
-    /// left corner; pixel (i, j) is centred at (i + 0.5, j + 0.5).
+    /// Returns origin and unit direction of the camera ray through column `x` and row `y` of the film. Both are in
+    /// pixels from the upper left corner, so pixel (i, j) is centred at (i + 0.5, j + 0.5).
     #[must_use]
     pub fn camera_ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         camera::ray(&self.scene.camera, &self.scene.settings, x, y)
     }
 
-    /// Radiance at a point of the film, by one ray; the point is as in [`Prepared::camera_ray`].
+    /// Returns the radiance at a point of the film, by one ray; the point is as in [`Prepared::camera_ray`].
     #[must_use]
     pub fn radiance_at(&self, x: f64, y: f64) -> [f64; 3] {
         let (origin, dir) = self.camera_ray(x, y);
         self.trace_for(film_ray(x, y), origin, dir).radiance.to_array()
     }
 
-    /// Radiance that arrives at `origin` from `dir` (of unit length), by one ray of depth 0 that starts in the medium
-    /// around the camera's eye. Where a medium disperses it, it divides as a pixel's first ray does.
+    /// Returns the radiance that arrives at `origin` from the unit direction `dir`, by one ray of depth 0 that starts
+    /// in the medium around the eye. Dispersion divides it as a pixel's first ray.
     #[must_use]
     pub fn radiance_along(&self, origin: DVec3, dir: DVec3) -> [f64; 3] {
         self.trace(origin, dir).radiance.to_array()
     }
 
-    /// [`Prepared::radiance_along`] with all that is counted on the way.
+    /// Returns [`Prepared::radiance_along`] with all counts.
     #[must_use]
     pub fn trace(&self, origin: DVec3, dir: DVec3) -> Tally {
         self.trace_for(FilmRay::default(), origin, dir)
     }
 
-    /// [`Prepared::trace`] with lamps sampled as for that ray of the film.
+    /// Traces as [`Prepared::trace`] does, with lamps sampled as for the camera ray `film`.
     #[must_use]
     pub fn trace_for(&self, film: FilmRay, origin: DVec3, dir: DVec3) -> Tally {
         self.trace_turned(film, origin, dir, DVec3::ZERO)
     }
 
-    /// [`Prepared::trace_for`] with `shadows_turned` added to the unit direction of every shadow ray: a shadow that
-    /// then differs lies within rounding of an edge.
+    /// Traces as [`Prepared::trace_for`] does, with `shadows_turned` added to the unit direction of every shadow ray. A
+    /// shadow that then differs lies within rounding of an edge.
     #[must_use]
     pub fn trace_turned(&self, film: FilmRay, origin: DVec3, dir: DVec3, shadows_turned: DVec3) -> Tally {
         Tracer::trace(self, film, (origin, dir), shadows_turned, &mut Off)
     }
 
-    /// A pixel of the picture (columns and rows from 0, at the upper left): the mean over its rays, each sampled as
-    /// [`render`] samples it.
+    /// Renders a pixel, by column and row from 0 at the upper left: the mean over its rays, each sampled as [`render`]
+    /// samples it.
     #[must_use]
     pub fn tally_of(&self, column: u32, row: u32) -> Tally {
         self.pixel(column, row, &mut Off)
     }
 
-    /// A pixel of the picture (columns and rows from 0, at the upper left) with every ray that came of it, written down.
+    /// Renders a pixel, by column and row from 0 at the upper left, and records all of its rays.
     #[must_use]
     pub fn recorded(&self, column: u32, row: u32) -> (Tally, Tree) {
         let mut tree = Tree::default();
@@ -176,7 +175,7 @@ impl<'a> Prepared<'a> {
         (tally, tree)
     }
 
-    /// One ray through a point of the film (as in [`Prepared::camera_ray`]) with every ray that came of it, written down.
+    /// Traces one ray through a point of the film, as in [`Prepared::camera_ray`], and records all of its rays.
     #[must_use]
     pub fn recorded_at(&self, x: f64, y: f64) -> Tree {
         let mut tree = Tree::default();
@@ -184,7 +183,7 @@ impl<'a> Prepared<'a> {
         tree
     }
 
-    /// The mean over a pixel's regular grid of samples.
+    /// Returns the mean over a pixel's regular grid of samples.
     fn pixel<L: Recorder>(&self, column: u32, row: u32, record: &mut L) -> Tally {
         let n = self.scene.settings.samples.max(1);
         let within = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
@@ -200,7 +199,7 @@ impl<'a> Prepared<'a> {
         mean
     }
 
-    /// The media of the scene and the bodies they fill.
+    /// Returns the media of the scene and the bodies they fill.
     fn filled(&self) -> Filled<'_> {
         Filled { media: &self.scene.media, bodies: &self.bodies }
     }
@@ -209,14 +208,14 @@ impl<'a> Prepared<'a> {
         &self.scene.materials[self.scene.objects[geometry as usize].material as usize]
     }
 
-    /// The index of a medium for light of a wavelength, or for white light.
+    /// Returns the index of a medium at a wavelength in nanometres, or for white light.
     fn ior(&self, medium: u32, nm: Option<f64>) -> f64 {
         let medium = &self.scene.media[medium as usize];
         nm.map_or(medium.ior, |nm| medium.index_at(nm))
     }
 }
 
-/// The first ray of the pixel in which a point of the film lies.
+/// Returns the first camera ray of the pixel that contains a point of the film.
 fn film_ray(x: f64, y: f64) -> FilmRay {
     FilmRay { pixel: [x, y].map(|at| at.floor().max(0.0) as u32), sample: 0 }
 }
@@ -226,26 +225,27 @@ struct Row {
     radiance: Vec<[f32; 3]>,
     truncated: Vec<[f32; 3]>,
     limits: Vec<Option<Limit>>,
-    /// Its counts; radiance and weight are in the pixels.
+    /// Counts; radiance and weight are in the pixels.
     counts: Tally,
 }
 
 /// Renders the whole picture, rows in parallel. The bytes do not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Interrupted`] soon after `observer.stop` is set; [`Error::Limit`] where threads or memory for
-/// the picture cannot be had; [`Error::Usage`] where a proven cut-off is asked for and cannot be had.
+/// - [`Error::Interrupted`] soon after `observer.stop` is set.
+/// - [`Error::Limit`] if threads or memory for the picture are not available.
+/// - [`Error::Usage`] if a proven cut-off is requested for a scene that has none.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
-    super::room::need(&scene.settings)?;
+    super::memory::need(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
     Reference::need(&scene.geometry)?;
     picture(&Prepared::with(scene, options), options, observer)
 }
 
-/// [`render`], of a scene that is ready; its own choice of formulas holds.
+/// Renders a prepared scene as [`render`] does, with the formulas it was prepared with.
 ///
 /// # Errors
-/// As [`render`].
+/// Fails as [`render`] does.
 pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> Result<Outcome> {
     if let Err(reason) = &prepared.tolls {
         return Err(Error::Usage(reason.clone()));

@@ -1,4 +1,4 @@
-//! How a surface divides light, for one ray.
+//! Division of light at surfaces, for one ray.
 
 use glam::DVec3;
 
@@ -9,25 +9,25 @@ use crate::optics::{
 };
 use crate::scene::FresnelRule;
 
-/// A way that light goes on.
+/// Lobe of light that leaves a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// The share of it, per channel; tints not counted.
+    /// Share per channel, excluding tints.
     pub share: DVec3,
-    /// What is carried on, where polarisation is, in the frame of the plane of incidence.
+    /// Polarisation carried on, in the frame of the plane of incidence, if polarisation is computed.
     pub polarisation: Option<Polarisation>,
 }
 
-/// Both ways at a transparent surface.
+/// Both lobes of a transparent surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
-    /// Reflected.
+    /// Reflected lobe.
     pub back: Way,
-    /// Refracted or straight on.
+    /// Lobe that is refracted or passes straight.
     pub on: Way,
 }
 
-/// At a boundary, for a ray that brings `before`, in the frame of its plane of incidence.
+/// Divides light at a boundary. `before` is the arriving polarisation in the frame of the plane of incidence.
 pub(super) fn at_boundary(
     model: FresnelModel,
     rule: FresnelRule,
@@ -44,7 +44,7 @@ pub(super) fn at_boundary(
     }
 }
 
-/// At a pane, by the boundary to its inside.
+/// Divides light at a pane, given the boundary to its inside.
 pub(super) fn at_pane(
     model: FresnelModel,
     rule: FresnelRule,
@@ -62,7 +62,7 @@ pub(super) fn at_pane(
     }
 }
 
-/// At a metal.
+/// Reflects light at a metal.
 pub(super) fn at_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3, before: Option<Polarisation>) -> Way {
     match before {
         None => Way { share: of_metal(model, cos_i, eta, k), polarisation: None },
@@ -73,7 +73,7 @@ pub(super) fn at_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3, be
     }
 }
 
-/// At a mirror of a fixed reflectance, which treats both polarisations alike.
+/// Reflects light at a mirror of fixed reflectance, which treats all polarisations alike.
 pub(super) fn at_mirror(share: DVec3, before: Option<Polarisation>) -> Way {
     Way { share, polarisation: before.map(|before| before.then(&[Mueller::mirror(1.0); 3])) }
 }
@@ -83,7 +83,7 @@ fn plain(r: f64) -> Ways {
     Ways { back: way(r), on: way(1.0 - r) }
 }
 
-/// A fixed share knows of no polarisation: both ways keep it as it is, but for what a mirror turns over.
+/// Divides light by a fixed share, which does not depend on polarisation. Only the mirror's reversal changes it.
 fn fixed(share: DVec3, before: Option<Polarisation>) -> Ways {
     Ways { back: at_mirror(share, before), on: Way { share: DVec3::ONE - share, polarisation: before } }
 }
@@ -96,7 +96,7 @@ fn ways(before: &Polarisation, back: [Mueller<f64>; 3], on: [Mueller<f64>; 3]) -
     }
 }
 
-/// Reflectance of a dielectric boundary by the chosen formula, for unpolarised light.
+/// Returns the reflectance of a dielectric boundary for unpolarised light.
 fn reflectance(model: FresnelModel, boundary: &Boundary<f64>, at: &Crossing<f64>) -> f64 {
     match model {
         FresnelModel::Exact | FresnelModel::Polarised => Exact::dielectric(boundary, at),
@@ -105,7 +105,7 @@ fn reflectance(model: FresnelModel, boundary: &Boundary<f64>, at: &Crossing<f64>
     }
 }
 
-/// Reflectance of a metal by the chosen formula, for unpolarised light.
+/// Returns the reflectance of a metal for unpolarised light.
 fn of_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3) -> DVec3 {
     let (eta, k): (Vector3<f64>, Vector3<f64>) = (eta.into(), k.into());
     match model {

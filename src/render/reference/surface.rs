@@ -1,4 +1,4 @@
-//! Where a hit is, how exactly, and which way the surface faces there.
+//! Surface points in `f64`: position, accuracy and normals of a hit.
 
 use glam::{DVec2, DVec3};
 
@@ -8,32 +8,32 @@ use crate::geometry::contact::Face;
 use crate::geometry::sphere::normal;
 use crate::scene::Scene;
 
-/// Bound on the distance between a computed point and its surface, plus that between the surface and what the next
-/// ray's intersection test takes it for, in units of `f64::EPSILON` and of the largest coordinate involved.
+/// Bound on the error of a surface point, in units of `f64::EPSILON` and of the largest coordinate involved. It covers
+/// the distance between the computed point and its surface, and the error of the next ray's intersection test.
 ///
-/// A barycentric point rounds each coordinate about 7 times. The test of the next ray rounds the corner's difference
-/// to the origin, the shear factor, its product and their difference: 4 roundings of numbers at most twice as large,
-/// so that it finds the exact answer for a triangle moved by 8. Three axes give another factor below 2; 64 holds it
-/// twice over and is still a ten-millionth of the offset that `f32` needs.
+/// A barycentric point rounds each coordinate about 7 times. The next ray's test rounds the corner's difference to the
+/// origin, the shear factor, its product and their difference: 4 roundings of numbers at most twice as large. So the
+/// test is exact for a triangle moved by 8. Three axes give another factor below 2. 64 holds that twice over, and is
+/// still a ten-millionth of the offset that `f32` needs.
 const ROUNDINGS: f64 = 64.0;
 
-/// A point on a surface.
+/// Surface point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surface {
-    /// Place, in scene units.
+    /// Position in scene units.
     pub point: DVec3,
-    /// How far from it a ray must start to be off the surface, in scene units.
+    /// Distance from the point, in scene units, at which a ray origin is off the surface.
     pub clearance: f64,
-    /// Unit normal of the surface itself, on its outside.
+    /// Unit geometric normal, on the outside.
     pub outward: DVec3,
-    /// Interpolated unit normal, where the mesh has any; on either side.
+    /// Interpolated unit normal, if the mesh has vertex normals; it may point to either side.
     pub interpolated: Option<DVec3>,
-    /// Texture coordinates, as [`crate::scene::Colour::Image`] has them.
+    /// Texture coordinates, as [`crate::scene::Colour::Image`] defines them.
     pub uv: DVec2,
 }
 
 impl Surface {
-    /// What lies at `hit`.
+    /// Returns the surface point at `hit`.
     pub fn at(scene: &Scene, ray: &Ray64, hit: &Hit64) -> Self {
         match &scene.geometry[hit.geometry as usize].shape {
             Shape::Mesh(mesh) => {
@@ -53,7 +53,7 @@ impl Surface {
                 Self {
                     point: a * w + b * u + c * v,
                     clearance: clearance([a, b, c]),
-                    // A collinear triangle has no side: it is taken to face the ray.
+                    // A collinear triangle has no side and counts as facing the ray.
                     outward: outward.unwrap_or_else(|| -ray.dir.normalize()),
                     interpolated,
                     uv,
@@ -76,7 +76,8 @@ impl Surface {
                 let (outward, foot) = (plane.normal.as_dvec3().normalize(), plane.point.as_dvec3());
                 let near = ray.at(hit.t);
                 let once = near - outward * outward.dot(near - foot);
-                // The first time leaves roundings of the ray's length, which may be large against the place.
+                // The first projection leaves rounding in proportion to the ray's length, which may be large against
+                // the coordinates.
                 let left = outward.dot(once - foot);
                 let point = once - outward * left;
                 let clearance = clearance([point, foot, DVec3::splat(left)]);
@@ -85,8 +86,7 @@ impl Surface {
         }
     }
 
-    /// The surface at a place of a face where surfaces touch, as a ray arrives there. `apart` is the distance between the
-    /// faces of the place.
+    /// Returns the surface point on a face where surfaces touch. `apart` is the distance between the touching faces.
     pub fn on_face(scene: &Scene, ray: &Ray64, face: &Face, point: DVec3, apart: f64) -> Self {
         let (u, v) = face.barycentrics(point);
         let here = Ray64 { origin: point, ..*ray };
@@ -95,7 +95,7 @@ impl Surface {
         Self { clearance: 2.0 * surface.clearance + apart, ..surface }
     }
 
-    /// Where a ray that leaves into `dir` starts: off the surface, on the side it leaves by.
+    /// Returns the origin of a ray that leaves in `dir`: off the surface, on the side of `dir`.
     pub fn start(&self, dir: DVec3) -> DVec3 {
         self.point + self.outward * self.clearance.copysign(dir.dot(self.outward))
     }
@@ -106,34 +106,34 @@ fn clearance<const N: usize>(points: [DVec3; N]) -> f64 {
     ROUNDINGS * f64::EPSILON * largest
 }
 
-/// Where a direction lies in an equirectangular picture: the middle column towards -z, columns advancing towards +x,
-/// v = 1 straight up. `u` in 0..=1, `v` in 0..=1.
+/// Returns the texture coordinates of a direction in an equirectangular picture, both in 0..=1. The middle column is
+/// towards -z, columns advance towards +x, and v = 1 is straight up.
 pub(super) fn equirectangular(dir: DVec3) -> DVec2 {
     use std::f64::consts::{PI, TAU};
     DVec2::new(0.5 + dir.x.atan2(-dir.z) / TAU, 1.0 - dir.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
-/// One surface that a straight ray passes through.
+/// Surface that a straight ray passes through.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
     /// Ray parameter.
     pub t: f64,
-    /// Place in `Scene::geometry`.
+    /// Index into `Scene::geometry`.
     pub geometry: u32,
     /// Triangle within a mesh; 0 for other shapes.
     pub primitive: u32,
-    /// Place, in scene units.
+    /// Position in scene units.
     pub point: DVec3,
-    /// Whether the ray arrives on the outside.
+    /// True if the ray arrives on the outside.
     pub front: bool,
     /// Cosine between the ray and the normal, above 0.
     pub cos: f64,
-    /// Unit normal of the surface, on its outside.
+    /// Unit normal of the surface, on the outside.
     pub outward: DVec3,
 }
 
-/// Every surface along `ray`, in order. Where it passes through an edge or a corner that triangles of one mesh share,
-/// the surface counts once, as it does for a ray that starts anew behind the first of them.
+/// Returns every surface along `ray`, in order. At an edge or corner shared by triangles of one mesh the surface counts
+/// once, as it does for a ray restarted behind the first triangle.
 pub(super) fn crossings(scene: &Scene, accel: &Reference, ray: &Ray64) -> Vec<Crossing> {
     let mut found: Vec<Crossing> = Vec::new();
     for hit in accel.all_hits(ray) {

@@ -1,4 +1,4 @@
-//! What one or many camera rays came to.
+//! Results of one or more camera rays: radiance and counts.
 
 use std::collections::BTreeSet;
 
@@ -6,36 +6,36 @@ use glam::DVec3;
 
 use crate::render::{Limit, RayCounts, UnmatchedExits};
 
-/// The largest contribution that the eight-wide renderer's accumulator holds, in radiance.
+/// Largest contribution that the eight-wide renderer's accumulator holds, in radiance.
 const LARGEST: f64 = (1_u64 << 62) as f64;
 
-/// The outcome of camera rays: radiance, and what is counted.
+/// Radiance and counts of camera rays.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Radiance per channel.
     pub radiance: DVec3,
-    /// Weight of the rays that were cut, per channel.
+    /// Weight of rays that a limit ended, per channel.
     pub truncated: DVec3,
-    /// The same by the limit that ended them, in the order of [`Limit::ALL`].
+    /// Truncated weight by limit, in the order of [`Limit::ALL`].
     pub ended: [DVec3; Limit::ALL.len()],
-    /// Rays traced.
+    /// Number of rays traced.
     pub rays: RayCounts,
-    /// Contributions that were NaN or infinite, and left out.
+    /// Number of contributions left out because they were NaN or infinite.
     pub non_finite: u64,
-    /// Contributions beyond 2^62, clamped to it.
+    /// Number of contributions clamped because they exceeded 2^62.
     pub clamped: u64,
     /// Rays that left a medium they had never entered.
     pub unmatched_exits: UnmatchedExits,
-    /// Objects that rays met, shadow rays apart.
+    /// Objects that rays hit, except for shadow rays.
     pub met: BTreeSet<u32>,
-    /// Camera rays that met nothing.
+    /// Number of camera rays that hit nothing.
     pub missed: u64,
-    /// True if any surface sent light of a lamp.
+    /// True if any surface reflected light of a lamp.
     pub lit: bool,
 }
 
 impl Tally {
-    /// Adds radiance.
+    /// Adds a contribution to the radiance.
     pub(super) fn add(&mut self, contribution: DVec3) {
         if !contribution.is_finite() {
             self.non_finite += 1;
@@ -53,13 +53,13 @@ impl Tally {
         self.ended[limit as usize] += weight;
     }
 
-    /// The limit that ended most of the truncated weight.
+    /// Returns the limit that ended most of the truncated weight.
     #[must_use]
     pub fn limit(&self) -> Option<Limit> {
         Limit::heaviest(self.ended.map(|weight| weight.to_array()))
     }
 
-    /// Adds the counts, and `share` times the radiance and the truncated weight, of another tally.
+    /// Adds the counts of `o`, and `share` times its radiance and truncated weight.
     pub(super) fn merge(&mut self, o: &Self, share: f64) {
         self.radiance += o.radiance * share;
         self.truncated += o.truncated * share;

@@ -1,4 +1,4 @@
-//! One ray and all that follows from it.
+//! Tracing of a camera ray and all its secondary rays.
 
 use glam::DVec3;
 
@@ -22,10 +22,10 @@ use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source, Spli
 use crate::render::{FilmRay, Limit, RayKind, Reflection};
 use crate::scene::{FresnelRule, Highlight, HighlightModel, Interface, Light, Material, MirrorSource};
 
-/// Surfaces that are "not there" in a row, at most.
+/// Largest number of consecutive surfaces that a ray may pass.
 const PASSED_AT_MOST: u32 = 256;
 
-/// A ray still to be traced.
+/// Ray that waits to be traced.
 #[derive(Clone, Debug)]
 pub(super) struct Pending {
     pub origin: DVec3,
@@ -34,48 +34,48 @@ pub(super) struct Pending {
     pub weight: DVec3,
     pub depth: u32,
     pub kind: RayKind,
-    /// Wavelength in nanometres; none is white.
+    /// Wavelength in nanometres; `None` for white.
     pub nm: Option<f64>,
     pub stack: MediumStack,
-    /// Surfaces in a row that were not there.
+    /// Number of consecutive surfaces passed.
     pub passed: u32,
-    /// Its way through touching surfaces, where it is between two of them.
+    /// Position between touching surfaces, if the ray is between two of them.
     pub through: Option<Through>,
-    /// What its path does to polarised light, where that is carried.
+    /// Polarisation of its path, if polarisation is computed.
     pub polarisation: Option<Polarisation>,
-    /// What may still be cut of it, as [`budget`] has it.
+    /// Budget for cutting it and its descendants; see [`budget`].
     pub budget: DVec3,
-    /// Its place in the record, where one is kept.
+    /// Index in the record, if one is kept.
     pub node: Node,
 }
 
-/// A ray's arrival at a surface.
+/// Hit of a ray on a surface.
 pub(super) struct Arrival<'a> {
     pub ray: &'a Pending,
     pub surface: Surface,
     pub material: &'a Material,
-    /// Unit normals on the side the ray arrives on.
+    /// Unit normals on the side of arrival.
     pub geometric: DVec3,
     pub shading: DVec3,
     pub cos_i: f64,
-    /// The ways of rays that go on behind the surface and of those that leave it on the side of arrival, where surfaces
-    /// touch.
+    /// Positions between touching surfaces for rays that continue behind the surface, and for rays that leave on the
+    /// side of arrival.
     pub onward: Option<Through>,
     pub returning: Option<Through>,
-    /// The ray's polarisation in the frame of the plane of incidence.
+    /// Polarisation of the ray in the frame of the plane of incidence.
     pub before: Option<Polarisation>,
 }
 
-/// The rest of a place where surfaces touch, beside the surface that a ray meets.
+/// Other layers where surfaces touch, beside the surface that is shaded.
 #[derive(Default)]
 struct Reached {
-    /// The meeting with all boundaries of the place together.
+    /// Combined effect of all coinciding boundaries.
     meeting: Option<Meeting>,
     onward: Option<Through>,
     returning: Option<Through>,
 }
 
-/// A ray that a surface would send.
+/// Secondary ray that a surface would send.
 struct Branch {
     kind: RayKind,
     dir: DVec3,
@@ -85,10 +85,10 @@ struct Branch {
     polarisation: Option<Polarisation>,
 }
 
-/// What a light, or some points of it, added.
+/// Contribution of a light, or of some sample points of it.
 #[derive(Clone, Copy)]
 struct Lit {
-    /// From the first of the points.
+    /// Light from the first of the sample points.
     arriving: Arriving,
     unshadowed: DVec3,
     radiance: DVec3,
@@ -100,26 +100,26 @@ impl Lit {
     }
 }
 
-/// Traces depth first: what a ray sends out waits on a list instead of on the call stack, which a scene's depth limit
+/// Depth-first tracer of one camera ray. Secondary rays wait on a list rather than on the call stack, which deep scenes
 /// could exhaust.
 pub(super) struct Tracer<'a, 'r, L: Recorder> {
     pub prepared: &'a Prepared<'a>,
-    /// Whose camera ray it is.
+    /// Camera ray that is traced.
     film: FilmRay,
-    /// Added to the unit direction of every shadow ray; zero but for tests of condition.
+    /// Vector added to the unit direction of every shadow ray; zero except in tests of a pixel's condition.
     shadows_turned: DVec3,
-    /// What white light divides into.
+    /// Wavelengths that white light divides into.
     pub bands: &'a Bands,
     tally: Tally,
     pending: Vec<Pending>,
-    /// What the surface at hand would send.
+    /// Secondary rays of the current surface.
     branches: Vec<Branch>,
     record: &'r mut L,
 }
 
 impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
-    /// All that comes of a camera ray, sampled as that ray of the film is. `shadows_turned` is added to the unit
-    /// direction of every shadow ray.
+    /// Traces a camera ray and all its secondary rays, sampled as the film's ray `film`. `shadows_turned` is added to
+    /// the unit direction of every shadow ray.
     pub fn trace(
         prepared: &'a Prepared<'a>,
         film: FilmRay,
@@ -158,7 +158,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let filled = self.prepared.filled();
         let line = Ray64::new(ray.origin, ray.dir);
         let hit = match ray.through {
-            // It is still where it left the last layer.
+            // The ray is still at the last layer it left.
             Some(_) => Hit64 { t: 0.0, ..Hit64::MISS },
             None => self.prepared.accel.closest(&line),
         };
@@ -206,7 +206,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.send_branches(&arrival);
     }
 
-    /// The surface that counts where a ray arrives: the one it hit, unless surfaces touch there.
+    /// Returns the surface to shade where a ray arrives: the one it hit, unless surfaces touch there.
     fn reached(&self, ray: &Pending, line: &Ray64, hit: &Hit64) -> (u32, u32, Surface, Reached) {
         let prepared = self.prepared;
         let (scene, contacts, filled) = (prepared.scene, &prepared.contacts, prepared.filled());
@@ -240,7 +240,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         (face.object, face.primitive, surface, reached)
     }
 
-    /// Straight on through a surface that is not there.
+    /// Passes straight through a surface that is no boundary.
     fn pass(&mut self, ray: &Pending, surface: &Surface, stack: MediumStack, through: Option<Through>) {
         let kind = RayKind::Transmitted;
         if ray.passed >= PASSED_AT_MOST {
@@ -253,30 +253,30 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.queue(ray.node, Pending { origin, stack, kind, passed: ray.passed + 1, through, ..ray.clone() });
     }
 
-    /// Has a ray wait that was sent where the ray of `parent` ended.
+    /// Queues a ray that the ray `parent` sent.
     fn queue(&mut self, parent: Node, mut ray: Pending) {
         let filled = self.prepared.filled();
         ray.node = self.record.note(|tree| tree.sent(ray.event(filled, Some(parent))));
         self.pending.push(ray);
     }
 
-    /// Writes down something about a ray.
+    /// Changes the record of a ray.
     fn note(&mut self, node: Node, what: impl FnOnce(&mut Event)) {
         self.record.note(|tree| tree.at(node, what));
     }
 
-    /// Adds to the pixel what a ray found.
+    /// Adds a contribution to the pixel and records it.
     fn add(&mut self, node: Node, source: Source, radiance: DVec3) {
         self.tally.add(radiance);
         self.note(node, |event| event.shares.push(Share::free(source, radiance)));
     }
 
-    /// Writes down how a surface divides light.
+    /// Records the division of light at a surface.
     pub fn split(&mut self, at: &Arrival, split: Split) {
         self.note(at.ray.node, |event| event.split = Some(split));
     }
 
-    /// The table of shares at the head of `scene/material.rs`.
+    /// Shades the surface: contributions and secondary rays, by the table of shares in `scene/material.rs`.
     fn meet(&mut self, at: &Arrival, meeting: Option<Meeting>) {
         let prepared = self.prepared;
         let one = DVec3::ONE;
@@ -298,7 +298,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             }
             Interface::Conductor { eta, k } => {
                 self.base(at, one);
-                // A metal's index counts relative to what the light comes through.
+                // A metal's index is relative to the medium in front of it.
                 let (eta, k) = (eta.as_dvec3() / here(), k.as_dvec3() / here());
                 let way = at_metal(prepared.fresnel, at.cos_i, eta, k, at.before);
                 self.split(at, Split { reflected: way.share, absorbed: one - way.share, ..Split::OPAQUE });
@@ -390,7 +390,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
     }
 
-    /// Sends light of a wavelength, or white light, beyond a boundary.
+    /// Sends refracted light, of one wavelength or white.
     pub fn refracted(
         &mut self,
         at: &Arrival,
@@ -401,7 +401,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         nm: Option<f64>,
     ) {
         let Refracted { direction, total } = self.prepared.refract(boundary, at, crossing);
-        // Light that is not bent at all goes on as it came.
+        // Light that is not bent keeps its direction.
         if boundary.kc == 0.0 {
             self.send_coloured(at, RayKind::Transmitted, at.ray.dir, way, beyond, nm);
         } else if total {
@@ -414,7 +414,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
     }
 
-    /// What mirror-like reflection sees, by choice.
+    /// Handles reflected light as the render's options say.
     pub fn reflected(&mut self, at: &Arrival, way: Way) {
         match self.prepared.reflection {
             Reflection::Traced => self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone()),
@@ -428,7 +428,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.add(at.ray.node, Source::MirroredEnvironment, at.ray.weight * share * seen);
     }
 
-    /// Leaves a reflection out of the picture, and says what it weighed.
+    /// Leaves a reflection out, and counts its weight as truncated.
     fn not_reflected(&mut self, at: &Arrival, share: DVec3) {
         let weight = at.ray.weight * share;
         if weight != DVec3::ZERO {
@@ -440,12 +440,12 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.send(at, RayKind::Transmitted, at.ray.dir, way, at.ray.stack.clone());
     }
 
-    /// Puts a secondary ray of the wavelength that arrived beside the others of its surface.
+    /// Adds a secondary ray of the arriving wavelength.
     fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, way: Way, stack: MediumStack) {
         self.send_coloured(at, kind, dir, way, stack, at.ray.nm);
     }
 
-    /// Puts a secondary ray beside the others of its surface.
+    /// Adds a secondary ray.
     fn send_coloured(
         &mut self,
         at: &Arrival,
@@ -461,7 +461,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
     }
 
-    /// Queues the secondary rays of a surface, but for those that the depth limit or the cut-off ends.
+    /// Queues the surface's secondary rays, except for those that the depth limit or the cut-off ends.
     fn send_branches(&mut self, at: &Arrival) {
         let settings = &self.prepared.scene.settings;
         let depth = at.ray.depth + 1;
@@ -517,7 +517,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.note(at.ray.node, |event| event.cut.push(Cut { kind, weight, too_deep, too_light }));
     }
 
-    /// What the surface sends by itself: emission, ambient, and each light it faces.
+    /// Adds the base of the surface: emission, ambient light, and the light of each lamp it faces.
     fn base(&mut self, at: &Arrival, share: DVec3) {
         let scene = self.prepared.scene;
         let weight = at.ray.weight * share;
@@ -545,7 +545,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
     }
 
-    /// Adds what the surface sends of the light from a point of a lamp; none where it sends none.
+    /// Adds the light of one lamp sample that the surface reflects. Returns `None` if there is none.
     fn lit(&mut self, at: &Arrival, light: &Light, of: [f64; 2], albedo: DVec3, weight: DVec3) -> Option<Lit> {
         let arriving = Arriving::at(light, at.surface.point, of);
         let cos_theta = arriving.towards.dot(at.shading);
@@ -564,7 +564,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         Some(Lit { arriving, unshadowed: weight * sent, radiance })
     }
 
-    /// Writes down what a light added, and what was in its way.
+    /// Records a light's contribution, and the object that blocks it.
     fn write_down(&mut self, at: &Arrival, light: usize, lit: &Lit) {
         let prepared = self.prepared;
         self.note(at.ray.node, |event| {
@@ -591,7 +591,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
 }
 
 impl Prepared<'_> {
-    /// The refracted direction by the chosen formula.
+    /// Returns the refracted direction by the chosen formula.
     fn refract(&self, boundary: &Boundary<f64>, at: &Arrival, crossing: &Crossing<f64>) -> Refracted<f64> {
         fn by<F: RefractionFormula>(
             formula: F,
@@ -614,7 +614,7 @@ impl Prepared<'_> {
 }
 
 impl Pending {
-    /// What is written down of it as it is sent.
+    /// Creates the record of the ray.
     fn event(&self, filled: Filled, parent: Option<Node>) -> Event {
         let line = (self.origin, self.dir);
         Event { media: self.stack.media(filled), ..Event::sent(parent, self.kind, self.depth, line, self.weight) }
@@ -622,20 +622,20 @@ impl Pending {
 }
 
 impl Arrival<'_> {
-    /// The unit direction of the ray's mirror image.
+    /// Returns the unit mirror direction of the ray.
     fn mirrored(&self) -> DVec3 {
         DVec3::from(reflect(self.ray.dir.into(), Vector3::from(self.shading))).normalize()
     }
 }
 
-/// The normal that shading uses, on the side of the geometric one that faces the ray.
+/// Returns the shading normal, on the side of the geometric one that faces the ray.
 fn shading_normal(incident: DVec3, geometric: DVec3, surface: &Surface) -> DVec3 {
     let Some(interpolated) = surface.interpolated else { return geometric };
     let turned = if interpolated.dot(geometric) < 0.0 { -interpolated } else { interpolated };
     consistent_normal(incident.into(), geometric.into(), turned.into()).into()
 }
 
-/// A highlight's colour times its lobe.
+/// Returns a highlight's colour times its lobe.
 fn highlight(highlight: &Highlight, at: &Arrival, towards: DVec3) -> DVec3 {
     let viewer = -at.ray.dir;
     let cos = match highlight.model {

@@ -1,4 +1,4 @@
-//! Boundaries of transparent solids and liquids: light is reflected and refracted.
+//! Boundaries of transparent solids and liquids: reflection and refraction.
 
 use super::super::accumulate::set_lanes;
 use super::super::limit::Limit;
@@ -9,7 +9,7 @@ use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::super::worker::MOST_PASSES;
 use super::disperse::disperse;
-use super::ways::{Optics, Ways};
+use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
@@ -20,8 +20,8 @@ use crate::optics::{
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// The stage for a formula, where media disperse light or none does, and where surfaces touch. Where they do, the stage
-/// disperses, too: that some media could is looked up and not compiled in.
+/// Picks the stage for a refraction formula. The variant for touching surfaces also handles dispersion, by looking up
+/// at run time whether media disperse.
 #[must_use]
 pub(super) fn pick<O: Optics>(model: RefractionModel, dispersing: bool, touching: bool) -> SplitStage {
     match (dispersing, touching) {
@@ -43,7 +43,7 @@ fn pick_for<O: Optics, const DISPERSING: bool, const TOUCHING: bool>(model: Refr
     }
 }
 
-/// How a stage, which is a type alone, comes by the values of its formula.
+/// Construction of a formula for one render. Stages are selected by type alone, so they build the value themselves.
 trait OfRender: RefractionFormula {
     fn of(shading: &Shading) -> Self;
 }
@@ -84,31 +84,39 @@ fn split<O: Optics, R: OfRender, const DISPERSING: bool, const TOUCHING: bool>(
         }
         let at = boundary.cross(-surface.incident.dot(surface.shading));
         let lanes = if total_is_lost { lose(shading, surface, lanes & at.total.bits(), lanes) } else { lanes };
-        let before = O::before(shading, surface, surface.shading);
-        let Ways { back, on } = O::boundary(shading, surface, &boundary, &at, &before);
+        let before = O::arriving(shading, surface, surface.shading);
+        let Lobes { reflection, transmission } = O::boundary(shading, surface, &boundary, &at, &before);
 
         let dir = reflect(surface.incident, surface.shading);
-        reflected::<O>(shading, surface, lanes, dir, surface.weight.times(back.share), &back.carried, depth);
+        reflected::<O>(
+            shading,
+            surface,
+            lanes,
+            dir,
+            surface.weight.times(reflection.share),
+            &reflection.carried,
+            depth,
+        );
 
         let refracting = lanes & !at.total.bits();
         if refracting != 0 {
-            let weight = surface.weight.times(on.share).times(tints(shading, surface));
+            let weight = surface.weight.times(transmission.share).times(tints(shading, surface));
             let light = Refraction { boundary, at, weight, beyond };
-            refracted::<O, R>(shading, surface, refracting, &light, &on.carried, &formula, depth);
+            refracted::<O, R>(shading, surface, refracting, &light, &transmission.carried, &formula, depth);
         }
     }
 }
 
-/// Light that goes on beyond a boundary.
+/// Light that crosses a boundary.
 pub(super) struct Refraction {
     pub boundary: Boundary<F32x8>,
     pub at: Crossing<F32x8>,
     pub weight: Rgb8,
-    /// The media there.
+    /// Media beyond the boundary.
     pub beyond: [StackId; 8],
 }
 
-/// Sends refracted rays.
+/// Emits refracted rays.
 #[inline(always)]
 pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     shading: &mut Shading,
@@ -123,13 +131,13 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     let Refracted { direction, total } = formula.refract(boundary, surface.incident, surface.shading, at);
     let dir = direction.normalized();
     let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
-    // Light that is not bent at all stays so to the bit.
+    // Light that is not bent keeps its direction to the bit.
     let straight = boundary.kc.eq(F32x8::ZERO);
     let dir = Vec3x8::select(straight, surface.incident, dir);
-    // A formula may know no direction where there is one; what it would carry is not in the picture.
+    // A formula may fail to give a direction where one exists; the ray's weight is then truncated.
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
-    let extra = O::along(carried, dir);
+    let extra = O::leaving(carried, dir);
     let new = Spawn8 {
         origin: surface.below(),
         dir,
@@ -146,30 +154,30 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     shading.spawn(lanes & !lost, &new, RayKind::Transmitted, depth);
 }
 
-/// What each lane's surface makes of light that passes.
+/// Gathers the tints of the dielectric surfaces.
 #[inline(always)]
 pub(super) fn tints(shading: &Shading, surface: &Surface8) -> Rgb8 {
     shading.colours(surface, |i| if let Interface::Dielectric { tint, .. } = i { *tint } else { Rgb::ONE })
 }
 
-/// What eight rays meet.
+/// Boundaries that eight rays cross.
 struct Entered {
     boundary: Boundary<F32x8>,
-    /// The media beyond.
+    /// Media beyond.
     beyond: [StackId; 8],
-    /// What the wavelengths of white light do.
+    /// Fans of the wavelengths of white light.
     fans: [Option<FanId>; 8],
 }
 
-/// Ends the rays of some lanes, and gives the others of `all`.
+/// Ends the rays of the lanes `lost`, and returns the other lanes of `all`.
 #[cold]
 fn lose(shading: &mut Shading, surface: &Surface8, lost: u8, all: u8) -> u8 {
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, &surface.weight);
     all & !lost
 }
 
-/// What each lane meets, and the media beyond. Rays at boundaries that are not there go on; the others are left in
-/// `base_lanes`.
+/// Looks up the boundary of each lane and the media beyond. Rays at surfaces that are no boundary pass on; the other
+/// lanes are left in `base_lanes`.
 #[inline(always)]
 fn enter<const TOUCHING: bool>(shading: &mut Shading, surface: &mut Surface8, depth: usize) -> Entered {
     let mut transitions = [None::<Transition>; 8];
@@ -198,7 +206,7 @@ fn enter<const TOUCHING: bool>(shading: &mut Shading, surface: &mut Surface8, de
     Entered { boundary, beyond, fans: transitions.map(|t| t.and_then(|t| t.fan)) }
 }
 
-/// Sends rays on through surfaces that are not there: same depth, same weight.
+/// Passes rays straight through surfaces that are no boundary, at the same depth and weight.
 fn pass<const TOUCHING: bool>(
     shading: &mut Shading,
     surface: &Surface8,
@@ -232,14 +240,14 @@ fn pass<const TOUCHING: bool>(
     shading.queue(RayKind::Transmitted, depth).push8(lanes & !spent, &new);
 }
 
-/// The reflected share by each lane's rule: Fresnel's, or a fixed one unless the reflection is total.
+/// Returns the reflected share by each lane's rule: `fresnel`, or a fixed share unless reflection is total.
 #[inline(always)]
 pub(super) fn ruled(shading: &Shading, surface: &Surface8, fresnel: Rgb8, total: Mask8) -> Rgb8 {
     let (fixed, share) = fixed_shares(shading, surface, fresnel);
     Vec3x8::select(fixed & !total, share, fresnel)
 }
 
-/// Lanes whose rule is a fixed share, and these shares; `fresnel` in the others.
+/// Returns the lanes with a fixed share, and the shares of all lanes: fixed, or else `fresnel`.
 #[inline(always)]
 pub(super) fn fixed_shares(shading: &Shading, surface: &Surface8, fresnel: Rgb8) -> (Mask8, Rgb8) {
     let mut fixed = 0;

@@ -1,18 +1,18 @@
-//! White light at boundaries of media that disperse it: each wavelength goes its own way where the ways part.
+//! Dispersion: white light at boundaries of dispersive media, where each wavelength is refracted by itself.
 
 use super::super::media::{FanId, StackId};
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::dielectric::{Refraction, refracted, ruled, tints};
-use super::ways::Unpolarised;
+use super::lobes::Unpolarised;
 use super::{WHITE, gather_boundaries, lane_bits, reflected};
 use crate::math::Real;
 use crate::optics::{Boundary, FresnelFormula, RefractionFormula, SEPARATION, reflect};
 use crate::scene::Rgb;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// Sends the wavelengths of the white rays in `lanes` their ways, at boundaries whose fans are given, where those are
-/// apart; what they reflect stays together. Says for which lanes they were: nothing more comes of those.
+/// Splits the white rays in `lanes` into wavelengths where the refracted directions separate, given the fans of the
+/// boundaries. The reflected part stays one white ray. Returns the lanes that were split, which are then complete.
 pub(super) fn disperse<F: FresnelFormula, R: RefractionFormula>(
     shading: &mut Shading,
     surface: &Surface8,
@@ -51,8 +51,9 @@ pub(super) fn disperse<F: FresnelFormula, R: RefractionFormula>(
     lanes
 }
 
-/// Lanes whose outermost wavelengths go ways that differ by more than [`SEPARATION`] by the law of refraction (whichever
-/// formula bends them), or one of which goes on where the other is reflected.
+/// Returns the lanes whose outermost wavelengths separate. They separate if their directions differ by more than
+/// [`SEPARATION`] by the law of refraction, whichever formula bends the rays, or if only one of them is totally
+/// reflected.
 fn apart(shading: &mut Shading, surface: &Surface8, fans: &[Option<FanId>; 8]) -> u8 {
     for &fan in fans.iter().flatten() {
         shading.media.learn_fan(fan);

@@ -1,53 +1,53 @@
-//! What is too thin to bend light: panes, coats, and covers with holes.
+//! Surfaces too thin to bend light: panes, coats, and covers with holes.
 
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
-use super::ways::{Optics, Way, Ways};
+use super::lobes::{Lobe, Lobes, Optics};
 use super::{WHITE, gather_boundaries, reflected, straight_on};
 use crate::optics::{Boundary, Crossing, reflect};
 use crate::scene::{Interface, Rgb};
 use crate::simd::F32x8;
 
-/// Panes: both faces at once.
+/// Shades panes; both faces count as one surface.
 pub(super) fn thin<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
-        let before = O::before(shading, surface, surface.shading);
+        let before = O::arriving(shading, surface, surface.shading);
         let (boundary, at) = face(shading, surface);
-        let Ways { back, on } = O::pane(shading, surface, &boundary, &at, &before);
+        let Lobes { reflection, transmission } = O::pane(shading, surface, &boundary, &at, &before);
         let tint =
             shading.colours(surface, |i| if let Interface::ThinDielectric { tint, .. } = i { *tint } else { Rgb::ONE });
         let dir = reflect(surface.incident, surface.shading);
-        let weight = surface.weight.times(back.share);
-        reflected::<O>(shading, surface, surface.active, dir, weight, &back.carried, depth);
-        let weight = surface.weight.times(on.share).times(tint);
-        straight_on::<O>(shading, surface, surface.active, weight, &on.carried, depth);
+        let weight = surface.weight.times(reflection.share);
+        reflected::<O>(shading, surface, surface.active, dir, weight, &reflection.carried, depth);
+        let weight = surface.weight.times(transmission.share).times(tint);
+        straight_on::<O>(shading, surface, surface.active, weight, &transmission.carried, depth);
     }
 }
 
-/// Coats: what they do not reflect reaches the base.
+/// Shades coats. Light that a coat does not reflect reaches the base.
 pub(super) fn coated<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
-        let before = O::before(shading, surface, surface.shading);
+        let before = O::arriving(shading, surface, surface.shading);
         let (boundary, at) = face(shading, surface);
-        let Way { share, carried } = O::coat(&boundary, &at, &before);
+        let Lobe { share, carried } = O::coat(&boundary, &at, &before);
         surface.base_weight = surface.weight.times(WHITE - share);
         let dir = reflect(surface.incident, surface.shading);
         reflected::<O>(shading, surface, surface.active, dir, surface.weight.times(share), &carried, depth);
     }
 }
 
-/// Covers with holes.
+/// Shades covers with holes.
 pub(super) fn alpha<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let opacity =
             shading.colours(surface, |i| Rgb::splat(if let Interface::Alpha { opacity } = i { *opacity } else { 1.0 }));
         surface.base_weight = surface.weight.times(opacity);
-        let before = O::before(shading, surface, surface.shading);
+        let before = O::arriving(shading, surface, surface.shading);
         straight_on::<O>(shading, surface, surface.active, surface.weight.times(WHITE - opacity), &before, depth);
     }
 }
 
-/// One face of coats and panes, from the medium the ray is in, and the ray there.
+/// Returns the boundary from the ray's medium into the coat or pane, and the crossing of the ray.
 #[inline(always)]
 fn face(shading: &Shading, surface: &Surface8) -> (Boundary<F32x8>, Crossing<F32x8>) {
     let boundary = gather_boundaries(|k| match *shading.interface(surface, k) {

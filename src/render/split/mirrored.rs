@@ -1,4 +1,4 @@
-//! What becomes of light that a surface reflects: traced, looked up, or left out.
+//! Treatment of reflected light: traced, looked up in the environment, or left out.
 
 use super::super::extra::Extra8;
 use super::super::limit::Limit;
@@ -12,11 +12,11 @@ use crate::geometry::GeometryMask;
 use crate::scene::{Environment, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
-/// Sees to the light of the given weight that leaves eight surfaces into a direction of about unit length, met by rays
-/// of the depth given; with what the rays into it would carry, where that is not what theirs brought.
+/// Function that handles light of the given weight that leaves eight surfaces in a direction of about unit length. The
+/// extras, if given, replace those of the arriving rays. The last argument is the depth of the arriving rays.
 pub type ReflectStage = fn(&mut Shading, &Surface8, u8, Vec3x8, Rgb8, Option<&Extra8>, usize);
 
-/// The stage of one render.
+/// Picks the stage of one render.
 #[must_use]
 pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
     match (reflection, &scene.environment) {
@@ -28,7 +28,7 @@ pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
     }
 }
 
-/// By a ray.
+/// Queues a reflected ray.
 fn traced(
     shading: &mut Shading,
     surface: &Surface8,
@@ -55,7 +55,7 @@ fn traced(
     shading.spawn(lanes, &new, RayKind::Reflected, depth);
 }
 
-/// In the environment, whatever stands between.
+/// Looks up the environment, ignoring occluders.
 fn looked_up<S: Sky>(
     shading: &mut Shading,
     surface: &Surface8,
@@ -70,7 +70,7 @@ fn looked_up<S: Sky>(
     shading.accumulator.add_radiance8(lanes, &surface.pixel, &seen.times(weight));
 }
 
-/// Not at all: its weight is that of a ray that ended.
+/// Leaves the reflection out, and counts its weight as truncated.
 fn none(shading: &mut Shading, surface: &Surface8, lanes: u8, _: Vec3x8, weight: Rgb8, _: Option<&Extra8>, _: usize) {
     shading.accumulator.add_ended8(Limit::Asked, lanes, &surface.pixel, &weight);
 }

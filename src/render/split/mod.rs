@@ -1,11 +1,11 @@
-//! The split stage: where light goes on from a surface, one function for each class, over a stream of its surfaces.
+//! Split stages: secondary rays at surfaces, one function for each class over a stream of its surfaces.
 
 mod dielectric;
 mod disperse;
 mod film;
+mod lobes;
 mod mirror;
 pub mod mirrored;
-mod ways;
 
 use super::class::Class;
 use super::options::Options;
@@ -21,15 +21,15 @@ use crate::optics::{AtNormal, Boundary, Exact, FresnelModel, Schlick};
 use crate::scene::{Environment, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
-/// Queues what follows from a stream of surfaces of one class, met by rays of the depth given, and settles what their
-/// bases weigh.
+/// Function that queues the secondary rays of a stream of surfaces of one class, and sets the weights of their bases.
+/// The last argument is the depth of the arriving rays.
 pub type SplitStage = fn(&mut Shading, &mut [Surface8], usize);
 
-pub use ways::{Optics, Polarised, Unpolarised};
+pub use lobes::{Optics, Polarised, Unpolarised};
 
 const WHITE: Vec3x8 = Vector3::new(F32x8::ONE, F32x8::ONE, F32x8::ONE);
 
-/// The stage for a class; none where light ends.
+/// Picks the stage of a class, or `None` if it emits no secondary rays.
 #[must_use]
 pub fn pick(class: Class, scene: &Scene, options: &Options, touching: bool) -> Option<SplitStage> {
     match options.fresnel {
@@ -60,7 +60,7 @@ fn pick_for<O: Optics>(class: Class, scene: &Scene, options: &Options, touching:
     }
 }
 
-/// Sees to reflected light in the way of this render.
+/// Handles reflected light as the render's options say.
 #[inline(always)]
 fn reflected<O: Optics>(
     shading: &mut Shading,
@@ -71,11 +71,11 @@ fn reflected<O: Optics>(
     carried: &O::Carried,
     depth: usize,
 ) {
-    let extra = O::along(carried, dir);
+    let extra = O::leaving(carried, dir);
     (shading.reflect)(shading, surface, lanes, dir, weight, extra.as_ref(), depth);
 }
 
-/// Sends rays on as they came.
+/// Queues rays that continue in their direction.
 #[inline(always)]
 fn straight_on<O: Optics>(
     shading: &mut Shading,
@@ -85,7 +85,7 @@ fn straight_on<O: Optics>(
     carried: &O::Carried,
     depth: usize,
 ) {
-    let extra = O::along(carried, surface.incident);
+    let extra = O::leaving(carried, surface.incident);
     let new = Spawn8 {
         origin: surface.below(),
         dir: surface.incident,
@@ -102,12 +102,12 @@ fn straight_on<O: Optics>(
     shading.spawn(lanes, &new, RayKind::Transmitted, depth);
 }
 
-/// Bits by a predicate of the lane number.
+/// Collects a predicate over the lane indices into a bit mask.
 pub(super) fn lane_bits(f: impl Fn(usize) -> bool) -> u8 {
     (0..8).fold(0, |bits, k| bits | u8::from(f(k)) << k)
 }
 
-/// Eight boundaries in structure-of-arrays.
+/// Gathers eight boundaries in structure-of-arrays form.
 pub(super) fn gather_boundaries(at: impl Fn(usize) -> Boundary<f32>) -> Boundary<F32x8> {
     let all: [Boundary<f32>; 8] = std::array::from_fn(at);
     Boundary {

@@ -1,31 +1,31 @@
-//! Memory for a picture, checked before the work.
+//! Memory checks before a render.
 
 use super::accumulate::PixelMean;
 use crate::Result;
 use crate::scene::Settings;
 use crate::system::memory;
 
-/// Bytes that a pixel takes at the worst moment. When tiles become the film, radiance, truncated weight and limit are held
-/// twice; when the film is encoded, they are held once, with up to 28 bytes for the encoder.
+/// Peak number of bytes per pixel. When tiles are copied to the film, radiance, truncated weight and limit exist twice.
+/// While the film is encoded they exist once, beside up to 28 bytes for the encoder.
 const BYTES_A_PIXEL: u64 = 2 * size_of::<PixelMean>() as u64;
 
-/// Bytes of a thread's queues, streams and scratch memory beside those that grow with depth.
+/// Bytes per thread for queues, streams and scratch memory, excluding queues that grow with depth.
 const BYTES_A_THREAD: u64 = 4 << 20;
 
-/// Checks that there is memory for a picture of this size.
+/// Checks that a picture of this size fits in memory.
 ///
 /// # Errors
-/// [`crate::Error::Limit`], where there is none.
+/// Returns [`crate::Error::Limit`] if it does not fit.
 pub fn need(settings: &Settings) -> Result<()> {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let what = format!("a picture of {} by {} pixels", settings.width, settings.height);
     memory::need(&what, pixels.saturating_mul(BYTES_A_PIXEL), "ask for fewer pixels")
 }
 
-/// Checks that there is memory for a picture of this size and for `threads` threads that render it.
+/// Checks that a picture of this size and the queues of `threads` threads fit in memory.
 ///
 /// # Errors
-/// [`crate::Error::Limit`], where there is none.
+/// Returns [`crate::Error::Limit`] if they do not fit.
 pub(super) fn need_with(settings: &Settings, threads: usize) -> Result<()> {
     need(settings)?;
     let pixels = u64::from(settings.width) * u64::from(settings.height);

@@ -1,8 +1,8 @@
 //! Promise: the choices of a render that have a price do what they say, in every renderer.
 
-#[path = "../support/mod.rs"]
-mod support;
+use crate::support;
 
+#[cfg(feature = "cli")]
 mod command;
 mod cutoff;
 mod polarisation;

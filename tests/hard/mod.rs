@@ -1,9 +1,6 @@
 //! The hard cases that no other test covers, in one file a group. `tests/README.md` lists all of them, by the ids that the
 //! doc comments here carry, with the test of each.
 
-#[path = "../support/mod.rs"]
-mod support;
-
 mod absorption;
 mod accumulation;
 mod boxes;

@@ -4,10 +4,8 @@ mod agree;
 mod cases;
 mod rules;
 mod stacks;
-#[path = "../support/mod.rs"]
-mod support;
 
-use support::backends;
+use crate::support::backends;
 use vitrum::accel::Backend;
 use vitrum::image::Film;
 use vitrum::load;

@@ -2,8 +2,7 @@
 //! surface, shape, light, medium and sky are rendered by both.
 
 mod found;
-#[path = "../support/mod.rs"]
-mod support;
+use crate::support;
 
 use glam::DVec3;
 use support::random;

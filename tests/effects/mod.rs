@@ -1,9 +1,9 @@
 //! A render simulates what its scene calls for, says why, and makes the same picture by code that knows everything.
 
-#[path = "../support/mod.rs"]
-mod support;
+use crate::support;
 
 mod bound;
+#[cfg(feature = "cli")]
 mod command;
 mod pipelines;
 mod reach;

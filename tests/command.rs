@@ -1,0 +1,15 @@
+//! Tests of the program `vitrum`, one module a subject.
+
+mod support;
+
+mod bench;
+mod budgets;
+mod cli;
+mod far;
+mod faults;
+mod limits;
+mod parity;
+mod pixel;
+mod price;
+mod startup;
+mod verify;

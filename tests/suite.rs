@@ -1,0 +1,31 @@
+//! Tests of the library, one module a subject.
+
+mod support;
+
+mod accel;
+mod agreement;
+mod arbiter;
+mod choices;
+mod cracks;
+mod dispersion;
+mod effects;
+#[cfg(feature = "embree")]
+mod embree;
+#[cfg(feature = "embree")]
+mod embree_library;
+mod formulas;
+mod hard;
+mod hard_scenes;
+mod input;
+mod notices;
+mod optics;
+mod povray;
+mod reference_renderer;
+mod refraction_models;
+mod render;
+mod scenes;
+mod slivers;
+mod soft_shadows;
+mod study;
+mod touching;
+mod triangle_tests;
