@@ -93,7 +93,7 @@ impl Accel {
         let with = |hierarchy| Self { backend: self.backend, hierarchy: self.hierarchy.with_inner(hierarchy) };
         match self.hierarchy.inner() {
             Hierarchy::Native(native, _) => {
-                [("single", Kernel::Single), ("packet", Kernel::Packet), ("batch", Kernel::Batch)]
+                [("single", Kernel::Single), ("packet", Kernel::Packet), ("batch", Kernel::Stream)]
                     .map(|(name, kernel)| (name, with(Hierarchy::Native(Arc::clone(native), kernel))))
             }
             Hierarchy::Embree(embree) => [("single", Width::One), ("packet", Width::Eight), ("pair", Width::Sixteen)]

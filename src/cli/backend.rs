@@ -6,9 +6,10 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
 use super::{interrupt, output};
-use crate::accel::native::{Lanes, TriangleModel, Walk};
+use crate::accel::walk::{TestCounts, Walk};
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, BuildStats, Intersector, Unbounded};
 use crate::error::{Error, Result, Unavailable};
+use crate::geometry::triangle_test::TriangleModel;
 use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
@@ -113,8 +114,8 @@ pub(super) struct Traced {
     pub render_time: Duration,
     /// Version of the library that traced the rays, where it was not this program itself.
     pub library: Option<String>,
-    /// Lanes of triangle tests, where the test was chosen.
-    pub lanes: Option<Lanes>,
+    /// TestCounts of triangle tests, where the test was chosen.
+    pub lanes: Option<TestCounts>,
 }
 
 /// Starts rayon's own threads, which build trees, once for the whole program.

@@ -1,18 +1,18 @@
-//! The list of effects: adding one begins here.
+//! List of effects. To add an effect, start here.
 
 macro_rules! effects {
     ($($variant:ident, $name:literal, $left_out:literal;)*) => {
-        /// Something that light does and that a render may simulate.
+        /// Optical effect that a render may simulate.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Effect {
             $(#[doc = concat!("`", $name, "`; left out: ", $left_out, ".")] $variant,)*
         }
 
         impl Effect {
-            /// All of them, in the order of tables.
+            /// All effects, in the order of tables.
             pub const ALL: &[Self] = &[$(Self::$variant,)*];
 
-            /// The name in commands and reports.
+            /// Returns the name used in commands and reports.
             #[must_use]
             pub fn name(self) -> &'static str {
                 match self {
@@ -20,7 +20,7 @@ macro_rules! effects {
                 }
             }
 
-            /// The name of the flag that leaves it out.
+            /// Returns the name of the flag that leaves the effect out.
             #[must_use]
             pub fn flag(self) -> &'static str {
                 match self {
@@ -28,7 +28,7 @@ macro_rules! effects {
                 }
             }
 
-            /// What the picture is without it.
+            /// Returns a description of the picture without the effect.
             #[must_use]
             pub fn left_out(self) -> &'static str {
                 match self {
@@ -71,7 +71,7 @@ impl std::fmt::Display for Effect {
 }
 
 impl Effect {
-    /// The effect of this name.
+    /// Returns the effect of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|e| e.name() == name)

@@ -6,8 +6,8 @@ use super::axis::{Precision, Spheres};
 use super::spheres::with_spheres;
 use super::variant::Variant;
 use crate::Result;
-use crate::accel::native::{Lanes, Walk};
 use crate::accel::reference::Reference;
+use crate::accel::walk::{TestCounts, Walk};
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, Intersector, Unbounded};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::render::reference::{self, Prepared};
@@ -24,8 +24,8 @@ pub struct Shot {
     pub seconds: f64,
     /// Wall time of building the hierarchy, now or the first time.
     pub build_seconds: f64,
-    /// Lanes of triangle tests, where a walk of choice found the hits.
-    pub lanes: Option<Lanes>,
+    /// TestCounts of triangle tests, where a walk of choice found the hits.
+    pub lanes: Option<TestCounts>,
 }
 
 /// Makes pictures of one scene, and keeps the hierarchies between them.

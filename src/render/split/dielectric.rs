@@ -1,6 +1,5 @@
 //! Boundaries of transparent solids and liquids: reflection and refraction.
 
-use super::super::accumulate::set_lanes;
 use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
@@ -18,7 +17,7 @@ use crate::optics::{
     StraightThrough, Trigonometric, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Picks the stage for a refraction formula. The variant for touching surfaces also handles dispersion, by looking up
 /// at run time whether media disperse.
