@@ -1,11 +1,11 @@
-//! What is tried, by name.
+//! Groups of test cases, by name.
 
-/// A group of cases.
+/// Group of test cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Group {
-    /// Rays from inside closed meshes at their corners, at their edges and anywhere meet something.
+    /// Rays from inside closed meshes, aimed at corners, at edges and anywhere, hit something.
     Leaks,
-    /// Rays that leave a surface do not meet it again, and meet another one close by.
+    /// Rays that leave a surface do not hit it again, and hit another surface close by.
     SelfHits,
     /// Reflectance against the oracle.
     Fresnel,
@@ -13,17 +13,17 @@ pub enum Group {
     Refraction,
     /// Mirror directions against the oracle.
     Reflection,
-    /// Equal indices bend and reflect nothing; R + T = 1; one lane and eight agree to the bit.
+    /// Equal indices neither bend nor reflect; R + T = 1; one lane and eight agree to the bit.
     Matched,
-    /// Neither empty nor spoilt lanes, nor the order of rays, change a bit.
+    /// Empty lanes, poisoned lanes and the order of rays change no bit.
     Lanes,
-    /// Hits are those of testing everything.
+    /// Hits equal those of testing every triangle.
     Traversal,
-    /// Garbage is built into sound trees, and what is left out is counted.
+    /// Garbage gives valid hierarchies, and everything left out is counted.
     Builds,
-    /// What arrives after long chains of reflections, and what was cut, make up all the light.
+    /// Light that arrives after long chains of reflections, plus truncated weight, is all the light.
     Chains,
-    /// Hits at the user's scene against the arbiter.
+    /// Hits in the user's scene agree with the arbiter.
     Parity,
 }
 
@@ -42,10 +42,10 @@ impl Group {
         Self::Chains,
     ];
 
-    /// The groups that are fired at a scene.
+    /// Groups that run on a scene.
     pub const OF_SCENE: [Self; 3] = [Self::Leaks, Self::SelfHits, Self::Parity];
 
-    /// The name on the command line and in reports.
+    /// Returns the name on the command line and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -63,7 +63,7 @@ impl Group {
         }
     }
 
-    /// Whether it concerns a path through the scene, and not formulas alone.
+    /// Returns true if the group tests a back end, and false if it tests formulas alone.
     #[must_use]
     pub fn is_of_path(self) -> bool {
         !matches!(self, Self::Fresnel | Self::Refraction | Self::Reflection | Self::Matched)
