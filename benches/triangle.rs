@@ -1,5 +1,5 @@
-//! Nanoseconds of each ray/triangle test: a ray at eight triangles, one at one, and that in `f64`; then, once, how far
-//! off each is and how many rays it loses, from the same code as `vitrum price --formulas --of triangle`.
+//! Nanoseconds of each ray/triangle test: a ray at eight triangles, one at one, and that in `f64`. Then, once, the
+//! error of each test and the number of rays it loses, from the same code as `vitrum price --formulas --of triangle`.
 
 use std::hint::black_box;
 

@@ -373,7 +373,7 @@ fn the_page_opens_in_a_browser_without_errors_shows_every_point_and_sorts() {
     );
 }
 
-/// What the page's own look at itself came to.
+/// Opens the page in Chromium and returns the result of the page's own check.
 fn opened(chromium: &Path, page: &Path) -> Value {
     let profile = tempfile::tempdir().unwrap();
     let output = std::process::Command::new(chromium)

@@ -7,7 +7,7 @@ mod mutants;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Who may import whom, as `src/README.md` says. A room may always import from itself, and anyone may use `error` and
+/// Allowed imports between rooms, as in `src/README.md`. A room may always import from itself, and from `error` and
 /// `system`.
 const ARROWS: &[(&str, &[&str])] = &[
     ("system", &[]),

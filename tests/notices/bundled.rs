@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::support::notices_of;
 
-/// Kinds that a scene here may give rise to: a sample of its pixels may fall on either side of the threshold for missing
-/// light, and walls of different colours share the planes of their outer sides.
+/// Kinds of notice that a scene here may have. A sample of its pixels may be on either side of the threshold for
+/// missing light. Walls of different colours share the planes of their outer sides.
 const BORDERLINE: [&str; 2] = ["truncated-light", "coplanar-materials"];
 
 #[test]

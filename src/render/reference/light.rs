@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
-use super::super::place::{Layer, Place, Through, governing};
+use super::super::place::{ContactPoint, Layer, Through, governing};
 use super::super::unmatched::UnmatchedExits;
 use super::media::{MediumStack, Transition};
 use super::polarisation::Polarisation;
@@ -97,14 +97,15 @@ pub(super) fn let_through(
     nm: Option<f64>,
 ) -> (DVec3, UnmatchedExits) {
     let none = UnmatchedExits::default();
-    if prepared.accel.occluded(&blocking(prepared, ray)) {
+    let blocking = blocking(prepared, ray);
+    if prepared.accel.occluded(&blocking) {
         return (DVec3::ZERO, none);
     }
-    match prepared.scene.settings.shadows {
-        ShadowRule::Opaque if through.is_some() => (DVec3::ZERO, none),
-        ShadowRule::Opaque => (DVec3::ONE, none),
-        ShadowRule::Straight => march(prepared, ray, through, stack, nm),
+    if blocking.admits == GeometryMask::ALL {
+        // Every surface blocks, including the remaining layers at the origin.
+        return (if through.is_some() { DVec3::ZERO } else { DVec3::ONE }, none);
     }
+    march(prepared, ray, through, stack, nm)
 }
 
 /// Returns the nearest object that blocks the light at the far end of `ray` by itself, as an index of geometry.
@@ -155,7 +156,7 @@ fn march(
     let mut reached = 0.0;
     // Faces crossed together with an earlier one, and the ray parameter up to which they are skipped.
     let mut crossed: (Vec<(u32, bool)>, f64) = (Vec::new(), f64::NEG_INFINITY);
-    if let Some(place) = through.and_then(|way| Place::resumed(scene, contacts, way)) {
+    if let Some(place) = through.and_then(|way| ContactPoint::resumed(scene, contacts, way)) {
         let (sides, apart) = place.sides(ray.dir);
         let cos = place.layer().faces()[0].outward(place.point()).dot(ray.dir).abs();
         crossed = (sides, apart / cos);
@@ -172,7 +173,7 @@ fn march(
         light.absorb(crossing.t - reached);
         reached = crossing.t;
         let id = (crossing.geometry, crossing.primitive);
-        match Place::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
+        match ContactPoint::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
             None => light.cross_face(crossing.geometry, crossing.outward),
             Some(place) => {
                 let (sides, apart) = place.sides(ray.dir);
@@ -207,7 +208,7 @@ impl Marched<'_> {
     }
 
     /// Crosses all remaining layers of a point where surfaces touch.
-    fn cross_place(&mut self, place: Option<Place>) {
+    fn cross_place(&mut self, place: Option<ContactPoint>) {
         let Prepared { scene, contacts, .. } = self.prepared;
         let mut place = place;
         while let Some(here) = place {
@@ -226,7 +227,7 @@ impl Marched<'_> {
                     self.cross_boundary(transition, face.object, face.outward(here.point()));
                 }
             }
-            place = here.onward().and_then(|way| Place::resumed(scene, contacts, way));
+            place = here.onward().and_then(|way| ContactPoint::resumed(scene, contacts, way));
         }
     }
 

@@ -11,7 +11,7 @@ use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{Bands, FresnelModel, consistent_normal, reflect, transmittance};
 use crate::render::budget;
-use crate::render::place::{Layer, Place, Through, governing};
+use crate::render::place::{ContactPoint, Layer, Through, governing};
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source};
 use crate::render::{FilmRay, Limit, RayKind};
 use crate::scene::Material;
@@ -189,11 +189,11 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let prepared = self.prepared;
         let (scene, contacts, filled) = (prepared.scene, &prepared.contacts, prepared.filled());
         let (place, surface) = match ray.through {
-            Some(way) => (Place::resumed(scene, contacts, way), None),
+            Some(way) => (ContactPoint::resumed(scene, contacts, way), None),
             None => {
                 let surface = Surface::at(scene, line, hit);
                 let id = (hit.geometry, hit.primitive);
-                (Place::met(scene, contacts, id, [line.origin, line.dir], surface.point), Some(surface))
+                (ContactPoint::met(scene, contacts, id, [line.origin, line.dir], surface.point), Some(surface))
             }
         };
         let Some(place) = place else {
