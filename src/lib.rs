@@ -39,6 +39,7 @@
 //! ```
 
 pub mod accel;
+pub mod choice;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod effects;

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::args::BackendArg;
+use super::choice::BackendArg;
 use super::interrupt;
 #[cfg(feature = "embree")]
 use super::output;

@@ -54,14 +54,14 @@ impl Format {
     }
 }
 
-/// Depth of a PNG's samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Bits {
-    /// 8 bits a sample.
-    #[default]
-    Eight,
-    /// 16 bits a sample.
-    Sixteen,
+crate::choice! {
+    /// Bits of a PNG's samples.
+    pub enum Bits("bits", derive(Eq, Hash), default(Eight)) {
+        /// 8 bits a sample.
+        "8" => Eight,
+        /// 16 bits a sample.
+        "16" => Sixteen,
+    }
 }
 
 /// How a film is to be written.

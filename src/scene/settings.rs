@@ -36,14 +36,16 @@ impl Default for Settings {
     }
 }
 
-/// What transparent surfaces do to shadows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShadowRule {
-    /// They block light as opaque ones do.
-    Opaque,
-    /// Light passes straight on, unbent, weakened at each surface by what that surface lets through (Fresnel seen
-    /// from its thinner side, so that the way back is the same, and tint) and inside by absorption. No caustics.
-    Straight,
+crate::choice! {
+    /// Effect of transparent surfaces on shadows.
+    pub enum ShadowRule("shadows", derive(Eq)) {
+        /// Transparent surfaces block light, as opaque ones do.
+        "opaque" => Opaque,
+        /// Light goes straight through transparent surfaces, weakened by reflection, tint and absorption.
+        ///
+        /// The reflectance at a surface is that seen from its thinner side, so that it is the same both ways. There are no caustics.
+        "straight" => Straight,
+    }
 }
 
 /// How lamps with an extent are sampled: by points on them, each of which shines as a lamp of its own.

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::super::args::{BackendArg, PriceArgs};
-use super::choices::quality;
+use super::super::args::PriceArgs;
 use crate::accel::BuildQuality;
+use crate::cli::choice::BackendArg;
 use crate::study::{Axis, Backend, engine};
 use crate::{Error, Result};
 
@@ -54,11 +54,7 @@ impl TryFrom<PriceArgs> for Price {
         if folder.exists() && !folder.is_dir() {
             return Err(Error::Usage(format!("-o {}: is a file; name a folder", folder.display())));
         }
-        let axes = if args.axes.is_empty() {
-            Axis::ALL.to_vec()
-        } else {
-            args.axes.iter().filter_map(|name| Axis::named(name)).collect()
-        };
+        let axes = if args.axes.is_empty() { Axis::ALL.to_vec() } else { args.axes };
         Ok(Self {
             scene,
             folder,
@@ -67,7 +63,7 @@ impl TryFrom<PriceArgs> for Price {
             size: args.size,
             samples: args.samples,
             backend,
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             runs: args.runs as usize,
             threads: args.threads.unwrap_or(0) as usize,
             combine: !args.single,

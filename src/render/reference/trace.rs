@@ -13,8 +13,8 @@ use crate::accel::reference::{Hit64, Ray64};
 use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{
-    Bands, Bec, Boundary, Crossing, FresnelModel, Heckbert, Refracted, RefractionFormula, RefractionModel,
-    SlidesVector, Stable, StraightThrough, Trigonometric, below_surface, consistent_normal, reflect, transmittance,
+    Bands, Boundary, Crossing, FresnelModel, Refracted, RefractionFormula, RefractionModel, RefractionVisitor,
+    below_surface, consistent_normal, reflect, transmittance,
 };
 use crate::render::budget::{self, Division, divide};
 use crate::render::place::{Layer, Place, Through, governing};
@@ -593,23 +593,15 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
 impl Prepared<'_> {
     /// Returns the refracted direction by the chosen formula.
     fn refract(&self, boundary: &Boundary<f64>, at: &Arrival, crossing: &Crossing<f64>) -> Refracted<f64> {
-        fn by<F: RefractionFormula>(
-            formula: F,
-            boundary: &Boundary<f64>,
-            at: &Arrival,
-            crossing: &Crossing<f64>,
-        ) -> Refracted<f64> {
-            formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+        struct Of<'a>(&'a Boundary<f64>, &'a Arrival<'a>, &'a Crossing<f64>);
+        impl RefractionVisitor for Of<'_> {
+            type Output = Refracted<f64>;
+            fn visit<F: RefractionFormula>(self, formula: F) -> Refracted<f64> {
+                let Self(boundary, at, crossing) = self;
+                formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+            }
         }
-        match self.refraction {
-            RefractionModel::Stable => by(Stable, boundary, at, crossing),
-            RefractionModel::Trigonometric => by(Trigonometric, boundary, at, crossing),
-            RefractionModel::Heckbert => by(Heckbert, boundary, at, crossing),
-            RefractionModel::Bec => by(Bec, boundary, at, crossing),
-            RefractionModel::SlidesVector => by(SlidesVector, boundary, at, crossing),
-            RefractionModel::Oliveira => by(self.oliveira, boundary, at, crossing),
-            RefractionModel::StraightThrough => by(StraightThrough, boundary, at, crossing),
-        }
+        self.refraction.dispatch(Of(boundary, at, crossing))
     }
 }
 

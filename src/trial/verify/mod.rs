@@ -54,7 +54,7 @@ impl Plan {
     /// A sample of every group, some seconds of work.
     #[must_use]
     pub fn quick() -> Self {
-        Self { groups: Group::ALL.to_vec(), full: false, rays: None }
+        Self { groups: Group::OF_NO_SCENE.to_vec(), full: false, rays: None }
     }
 
     /// `full` cases, or of the quick run so many.
