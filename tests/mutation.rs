@@ -4,6 +4,8 @@
 //! `VITRUM_FUZZ=1e7 cargo test --release --test mutation` runs ten million files (shared out among the kinds) and ten
 //! thousand command lines; `VITRUM_FUZZ_SEED` makes them others.
 
+#![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
+
 #[path = "fuzz/command.rs"]
 mod command;
 #[path = "fuzz/entry.rs"]

@@ -154,7 +154,7 @@ fn native_is_never_wrong(world: &World, count: usize) -> Tally {
     let mut sum = Tally::default();
     for set in sets(&reference, geometry, view, count) {
         let answers = ask(&accel, &set.rays, set.coherence);
-        for kernel in [Kernel::Single, Kernel::Packet, Kernel::Batch, Kernel::Auto] {
+        for kernel in [Kernel::Single, Kernel::Packet, Kernel::Stream, Kernel::Auto] {
             for coherence in [Coherence::Coherent, Coherence::Incoherent] {
                 let other = ask(&Unbounded::new(Held(&native, kernel), geometry), &set.rays, coherence);
                 let same = other.hits.iter().zip(&answers.hits).all(|(a, b)| same(a, b));

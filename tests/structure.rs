@@ -1,5 +1,6 @@
 //! The house keeps its shape: rooms import only from the rooms below them.
 
+mod build_flags;
 mod catalogue;
 mod mutants;
 

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use crate::geometry::{Geometry, Hit8, Ray8, Shape};
+use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, Shape};
 use crate::simd::Mask8;
 
 #[cfg(feature = "embree")]
@@ -14,6 +14,7 @@ pub mod native;
 pub mod reference;
 mod shafts;
 mod unbounded;
+pub mod walk;
 
 pub use shafts::Shafts;
 pub use unbounded::Unbounded;
@@ -99,6 +100,21 @@ pub trait Intersector: Sync {
     /// # Panics
     /// Where the two slices differ in length.
     fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Self::Scratch);
+
+    /// Returns the nearest hit of each ray, or a miss, in the order of the rays.
+    ///
+    /// It packs rays and allocates; [`Intersector::closest`] does neither.
+    fn hits(&self, rays: &[Ray]) -> Vec<Hit> {
+        let mut scratch = Self::Scratch::default();
+        let mut all = Vec::with_capacity(rays.len());
+        for alike in rays.chunk_by(|a, b| a.admits == b.admits) {
+            let packets = Ray8::pack(alike);
+            let mut hits = vec![Hit8::default(); packets.len()];
+            self.closest(&packets, &mut hits, Coherence::Incoherent, &mut scratch);
+            all.extend((0..alike.len()).map(|i| hits[i / 8].lane(i % 8)));
+        }
+        all
+    }
 
     /// What was built.
     fn build_stats(&self) -> BuildStats;

@@ -9,8 +9,10 @@ use super::output;
 #[cfg(not(feature = "embree"))]
 use crate::Error;
 use crate::Result;
-use crate::accel::native::{Lanes, Native, TriangleModel, Walk};
+use crate::accel::native::Native;
+use crate::accel::walk::{TestCounts, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
+use crate::geometry::triangle_test::TriangleModel;
 use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
@@ -137,8 +139,8 @@ pub(super) struct Traced {
     pub render_time: Duration,
     /// Version of the library that traced the rays, where it was not this program itself.
     pub library: Option<String>,
-    /// Lanes of triangle tests, where the test was chosen.
-    pub lanes: Option<Lanes>,
+    /// TestCounts of triangle tests, where the test was chosen.
+    pub lanes: Option<TestCounts>,
 }
 
 /// Starts rayon's own threads, which build trees, once for the whole program.

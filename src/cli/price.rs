@@ -11,6 +11,7 @@ use crate::render::{self, Observer};
 use crate::study::html::{self, Pair, References};
 use crate::study::variant::quoted;
 use crate::study::{self, Report, Subject, Variant, Watch};
+use crate::system::files;
 use crate::trial::{Machine, machine};
 use crate::{Error, Result};
 
@@ -100,7 +101,7 @@ fn kept(folder: &Path, name: &str) -> Result<Film> {
 /// A PNG and an EXR of each variant.
 fn pictures(folder: &Path, report: &Report) -> Result<()> {
     let to = folder.join("pictures");
-    std::fs::create_dir_all(&to).map_err(|e| Error::io(&to, "create", e))?;
+    files::create_folder(&to)?;
     let references = [("reference", &report.own), ("reference 16x16", &report.fine)];
     let references =
         references.into_iter().filter_map(|(name, made)| made.as_ref().map(|m| (name, &m.film, &m.variant)));

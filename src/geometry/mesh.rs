@@ -25,6 +25,12 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// A mesh without normals and texture coordinates.
+    #[must_use]
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { positions, triangles, ..Self::default() }
+    }
+
     /// The corners of triangle `i`.
     #[inline(always)]
     #[must_use]

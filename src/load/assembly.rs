@@ -15,7 +15,7 @@ use super::transform::flip;
 use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded, texture};
 use crate::geometry::topology::{self, Edges, weld};
-use crate::geometry::{Geometry, GeometryMask, Shape};
+use crate::geometry::{Geometry, Shape};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
 use crate::system::memory;
 use crate::{Error, Result};
@@ -208,7 +208,7 @@ impl<'a> Assembly<'a> {
     /// Puts a shape into the scene, and warns of what its material asks of it in vain.
     fn place(&mut self, name: String, shape: Shape, material: u32, origin: Origin) -> Result<()> {
         let surface = &self.scene.materials[material as usize];
-        let mask = if surface.is_transmissive() { GeometryMask::TRANSMISSIVE } else { GeometryMask::OPAQUE };
+        let mask = surface.mask();
         let dielectric = matches!(surface.interface, Interface::Dielectric { .. });
         let pictured = matches!(surface.diffuse, Colour::Image { .. });
         let file = PathBuf::from(&origin.file);

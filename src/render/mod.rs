@@ -14,6 +14,7 @@ mod class;
 mod extent;
 mod extra;
 mod eye;
+mod first_hits;
 mod lamp;
 mod light;
 mod limit;
@@ -43,8 +44,10 @@ mod unmatched;
 mod worker;
 
 pub use accumulate::PixelMean;
+pub use camera::Lens;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
+pub use first_hits::{FirstHit, first_hits};
 pub use limit::Limit;
 pub use memory::need;
 pub use options::{Observer, Options, Reflection};

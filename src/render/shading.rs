@@ -24,7 +24,7 @@ use crate::geometry::contact::Contacts;
 use crate::math::Real;
 use crate::optics::{RefractionModel, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Factor that makes up for rounding tolls down to `f32`.
 const ROUNDED_UP: f32 = 1.0 + 1e-6;
@@ -300,7 +300,7 @@ impl<'a> Shading<'a> {
     pub fn absorbed(&self, lanes: u8, stack: &[StackId; 8], t: F32x8) -> Option<Rgb8> {
         let mut coefficient = Vec3x8::splat(Rgb::ZERO);
         let mut any = false;
-        for k in super::accumulate::set_lanes(lanes) {
+        for k in set_lanes(lanes) {
             if let Some(absorption) = self.media.absorption(stack[k]) {
                 coefficient.set_lane(k, absorption);
                 any = true;

@@ -3,7 +3,6 @@
 
 use glam::DVec3;
 
-use super::accumulate::set_lanes;
 use super::place::{Layer, Place, Through, governing};
 use super::queue::Chunk;
 use super::shading::Shading;
@@ -11,6 +10,7 @@ use super::surface::{HitRef, Surface8};
 use crate::geometry::contact::{Contacts, Face};
 use crate::geometry::{Hit, Hit8};
 use crate::math::next_up;
+use crate::simd::set_lanes;
 
 /// Set in a ray's count of surfaces passed where the rest is the number of a [`Waiting`].
 const RESUMES: u32 = 1 << 31;

@@ -1,6 +1,7 @@
 //! Eight lanes: numbers, masks and three-vectors over `wide`, and the few operations `wide` lacks, each with a
 //! portable twin. This room knows nothing of rays.
 
+mod bits;
 mod f32x8;
 pub mod level;
 mod magnitude;
@@ -8,6 +9,7 @@ mod mask8;
 mod memory;
 mod reciprocal;
 
+pub use bits::{compress, set_lanes, transpose_bits};
 pub use f32x8::F32x8;
 pub use mask8::Mask8;
 pub use memory::{prefetch, room_for};

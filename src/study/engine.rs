@@ -8,8 +8,9 @@ use super::variant::Variant;
 #[cfg(not(feature = "embree"))]
 use crate::Error;
 use crate::Result;
-use crate::accel::native::{Lanes, Native, Walk};
+use crate::accel::native::Native;
 use crate::accel::reference::Reference;
+use crate::accel::walk::{TestCounts, Walk};
 use crate::accel::{BuildQuality, Intersector, Unbounded};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::render::reference::{self, Prepared};
@@ -26,8 +27,8 @@ pub struct Shot {
     pub seconds: f64,
     /// Wall time of building the hierarchy, now or the first time.
     pub build_seconds: f64,
-    /// Lanes of triangle tests, where a walk of choice found the hits.
-    pub lanes: Option<Lanes>,
+    /// TestCounts of triangle tests, where a walk of choice found the hits.
+    pub lanes: Option<TestCounts>,
 }
 
 /// Makes pictures of one scene, and keeps the hierarchies between them.

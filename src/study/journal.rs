@@ -1,8 +1,8 @@
 //! What was measured so far, in a folder, so that a study may end at any time and go on later.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
-use std::io::Write as _;
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -13,10 +13,14 @@ use super::reference::{Made, Reference};
 use super::variant::Variant;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::render::{RayCounts, RayKind};
+use crate::system::files;
 use crate::{Error, Result};
 
 /// The part of the folder that a study keeps for itself.
 const KEPT: &str = "study";
+
+/// Size of a journal that is read, at most: far more than all levels of all axes take.
+const LARGEST: u64 = 64 << 20;
 
 /// What was measured of one variant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -131,18 +135,18 @@ impl Journal {
     /// Io; usage, where the folder holds a study of something else, unless `fresh` says to forget it.
     pub fn open(folder: &Path, digest: &str, fresh: bool) -> Result<Self> {
         let kept = folder.join(KEPT);
-        fs::create_dir_all(&kept).map_err(|e| Error::io(&kept, "create", e))?;
+        files::create_folder(&kept)?;
         let mut journal = Self { folder: kept, header: None, own: None, fine: None, records: Vec::new() };
         let path = journal.path();
         if fresh {
             journal.forget()?;
             return Ok(journal);
         }
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(journal),
-            Err(e) => return Err(Error::io(&path, "read", e)),
-        };
+        if fs::symlink_metadata(&path).is_err_and(|e| e.kind() == io::ErrorKind::NotFound) {
+            return Ok(journal);
+        }
+        let bytes = files::read(&path, LARGEST)?;
+        let text = String::from_utf8_lossy(&bytes);
         for line in text.lines() {
             match serde_json::from_str(line) {
                 Ok(Line::Study(header)) if header.digest == digest => journal.header = Some(header),
@@ -265,12 +269,26 @@ impl Journal {
     fn append(&self, line: &Line) -> Result<()> {
         let path = self.path();
         let system = |e| Error::io(&path, "write", e);
-        let mut text = serde_json::to_string(line).map_err(|e| system(std::io::Error::other(e)))?;
+        let mut text = serde_json::to_string(line).map_err(|e| system(io::Error::other(e)))?;
         text.push('\n');
-        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(system)?;
+        let mut file = OpenOptions::new().create(true).read(true).append(true).open(&path).map_err(system)?;
+        if !ends_a_line(&mut file).map_err(system)? {
+            text.insert(0, '\n');
+        }
         // At once, so that a line is whole or missing.
         file.write_all(text.as_bytes()).and_then(|()| file.sync_data()).map_err(system)
     }
+}
+
+/// Returns false if the last line of a file was cut short.
+fn ends_a_line(file: &mut File) -> io::Result<bool> {
+    if file.metadata()?.len() == 0 {
+        return Ok(true);
+    }
+    file.seek(SeekFrom::End(-1))?;
+    let mut last = [0];
+    file.read_exact(&mut last)?;
+    Ok(last == *b"\n")
 }
 
 /// The name of the file that a variant's picture is kept in.
@@ -279,4 +297,18 @@ pub fn film_name(variant: &Variant) -> String {
     let mut hasher = DefaultHasher::new();
     variant.flags().hash(&mut hasher);
     format!("{:016x}.pfm", hasher.finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_last_line_that_was_cut_short_is_told_from_a_whole_one() {
+        for (text, whole) in [("", true), ("{}\n", true), ("{}\n{\"st", false)] {
+            let mut file = tempfile::tempfile().unwrap();
+            file.write_all(text.as_bytes()).unwrap();
+            assert_eq!(ends_a_line(&mut file).unwrap(), whole, "{text:?}");
+        }
+    }
 }

@@ -111,7 +111,7 @@ impl Variant {
         self
     }
 
-    /// The triangle test and the reciprocal of the walk that finds its hits ([`crate::accel::native::Walk`]), where these
+    /// The triangle test and the reciprocal of the walk that finds its hits ([`crate::accel::walk::Walk`]), where these
     /// are chosen; with a reciprocal alone the test is the watertight one.
     #[must_use]
     pub fn walk(&self) -> Option<(TriangleModel, ReciprocalModel)> {

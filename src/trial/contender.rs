@@ -168,6 +168,6 @@ pub fn native(native: &Native) -> Vec<Box<dyn Contender + '_>> {
         by("auto", Kernel::Auto),
         by("single", Kernel::Single),
         by("packet", Kernel::Packet),
-        by("batch", Kernel::Batch),
+        by("batch", Kernel::Stream),
     ]
 }

@@ -4,6 +4,8 @@
 //! native path, which is compared with this one, runs under the same. (Embree sets its own for its build and puts the
 //! old one back.)
 
+#![allow(unsafe_code, reason = "calls into the Embree library")]
+
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicIsize, Ordering};

@@ -12,7 +12,7 @@ use std::time::Instant;
 use super::{BuildStats, Coherence, Counts, Intersector};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8};
-use crate::simd::Mask8;
+use crate::simd::{Mask8, set_lanes};
 use crate::system::memory;
 
 pub mod device;
@@ -24,6 +24,8 @@ mod packet;
 pub mod reach;
 pub mod scene;
 mod sphere;
+/// Public only for the tests of the structs' sizes.
+#[doc(hidden)]
 pub mod sys;
 
 pub use options::{Frequency, Isa, Mode, Options, Quality, Spheres, Width};
@@ -229,10 +231,10 @@ impl Embree {
     fn closest8(&self, rays: &Ray8, hits: &mut Hit8, query: &QueryArguments, scratch: &mut Scratch) {
         let interval = Interval::of(rays, self.mode);
         if self.goes_singly(interval.live) {
-            for i in lanes(rays.active & !interval.live) {
+            for i in set_lanes(rays.active & !interval.live) {
                 hits.set_lane(i, &Hit::MISS);
             }
-            for i in lanes(interval.live) {
+            for i in set_lanes(interval.live) {
                 let one = &mut scratch.one;
                 one.load(i, rays, &interval);
                 for scene in self.parts(rays.admits) {
@@ -277,7 +279,7 @@ impl Embree {
         let interval = Interval::of(rays, self.mode);
         if self.goes_singly(interval.live) {
             let mut blocked = 0;
-            for i in lanes(interval.live) {
+            for i in set_lanes(interval.live) {
                 let one = &mut scratch.one;
                 one.load(i, rays, &interval);
                 for scene in self.parts(rays.admits) {
@@ -304,7 +306,7 @@ impl Embree {
 
     /// Puts the names outside in place of Embree's.
     fn rename(&self, active: u8, hits: &mut Hit8) {
-        for i in lanes(active) {
+        for i in set_lanes(active) {
             if let Some(renamed) = self.renamed.iter().find(|r| r.id == hits.geometry[i]) {
                 (hits.geometry[i], hits.primitive[i]) = renamed.names[hits.primitive[i] as usize];
             }
@@ -317,16 +319,6 @@ fn query(coherence: Coherence) -> QueryArguments {
     QueryArguments::new(match coherence {
         Coherence::Coherent => sys::QUERY_COHERENT,
         Coherence::Incoherent => sys::QUERY_INCOHERENT,
-    })
-}
-
-/// The lanes whose bit is set.
-#[inline(always)]
-fn lanes(mut bits: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (lane < 8).then_some(lane)
     })
 }
 

@@ -1,5 +1,7 @@
 //! Embree's scenes, with owners: filled, committed, traced. Everything here is safe to call.
 
+#![allow(unsafe_code, reason = "calls into the Embree library")]
+
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 

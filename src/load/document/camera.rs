@@ -8,17 +8,9 @@ use crate::load::LoadOptions;
 use crate::load::assembly::Assembly;
 use crate::load::origin::Frame;
 use crate::optics::FEWEST_BANDS;
+use crate::scene::ranges::{LEAST_SINE_OF_UP, LIGHT_SAMPLES, MOST_DEPTH, MOST_WAVELENGTHS, SAMPLES};
 use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
-
-/// Most points on a lamp: beyond them nobody sees a difference.
-const MOST_LIGHT_SAMPLES: u32 = 4096;
-
-/// Most wavelengths of a render: beyond them nobody sees a difference.
-const MOST_WAVELENGTHS: u32 = 64;
-
-/// How near to parallel `up` and the view may be: the sine of the angle between them.
-const LEAST_SINE: f64 = 1e-4;
 
 /// Eye and target in world coordinates.
 pub(super) fn line_of_sight(table: Option<&Table<'_>>) -> Result<[DVec3; 2]> {
@@ -59,7 +51,7 @@ pub(super) fn camera(
     }
     let view = view.normalize();
     let mut camera = Camera { eye, target, up, projection, medium };
-    if view.cross(up.as_dvec3()).length() < LEAST_SINE {
+    if view.cross(up.as_dvec3()).length() < LEAST_SINE_OF_UP {
         camera.up = across(view);
         let span = table.get("up").or_else(|| table.get("target")).map_or(table.span.clone(), |v| v.span());
         let kind = format!(
@@ -84,8 +76,8 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
     let settings = Settings {
         width: table.or("width", default.width, |v| v.whole(1..=u32::MAX))?,
         height: table.or("height", default.height, |v| v.whole(1..=u32::MAX))?,
-        samples: table.or("samples", default.samples, |v| v.whole(1..=256))?,
-        max_depth: table.or("depth", default.max_depth, |v| v.whole(0..=10_000))?,
+        samples: table.or("samples", default.samples, |v| v.whole(SAMPLES))?,
+        max_depth: table.or("depth", default.max_depth, |v| v.whole(0..=MOST_DEPTH))?,
         cutoff: table
             .or("cutoff", f64::from(default.cutoff), |v| v.number_where("from 0 to 1", |x| (0.0..=1.0).contains(&x)))?
             as f32,
@@ -107,7 +99,7 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
 fn lamps(table: &Table<'_>, default: LampSampling) -> Result<LampSampling> {
     let count = table.get("light_samples");
     let lamps = LampSampling {
-        count: count.as_ref().map_or(Ok(default.count), |v| v.whole(1..=MOST_LIGHT_SAMPLES))?,
+        count: count.as_ref().map_or(Ok(default.count), |v| v.whole(LIGHT_SAMPLES))?,
         pattern: table.or("light_pattern", default.pattern, |v| {
             v.choice(&[("sobol", Pattern::Sobol), ("grid", Pattern::Grid)])
         })?,

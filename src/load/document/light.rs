@@ -6,6 +6,7 @@ use super::table::{Table, Value};
 use crate::Result;
 use crate::load::origin::Frame;
 use crate::load::transform::sin_cos_degrees;
+use crate::scene::ranges::LEAST_SINE_OF_EDGES;
 use crate::scene::{Falloff, Light, LightKind, Spread};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -66,9 +67,6 @@ pub(super) fn light(table: &Table<'_>, i: usize, frame: Frame) -> Result<Light> 
     Ok(light)
 }
 
-/// How near to parallel the edges of a rectangle may be: the sine of the angle between them.
-const LEAST_SINE: f64 = 1e-3;
-
 /// How near to its own plane a rectangle may be told to shine: the sine of the angle between them.
 const LEAST_LIFT: f64 = 1e-3;
 
@@ -81,7 +79,7 @@ fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKi
     };
     let mut edges = [first.place()?, second.place()?];
     let normal = edges[0].cross(edges[1]);
-    let fits = normal.length() > LEAST_SINE * edges[0].length() * edges[1].length();
+    let fits = normal.length() > LEAST_SINE_OF_EDGES * edges[0].length() * edges[1].length();
     let has_area_in_f32 = normal.as_vec3().length_squared() > 0.0;
     if !fits || !has_area_in_f32 {
         let message = format!("the rectangle's edges, {} and {}, are parallel: it has no area", edges[0], edges[1]);

@@ -5,10 +5,13 @@
 //! [`crate::optics`] (here in `f64`) and the scene. It makes reference pictures and evaluates single pixels.
 //! [`Prepared::radiance_at`] and [`Prepared::radiance_along`] accept any point of the film and any ray.
 
+mod branch;
 mod camera;
 mod colour;
 mod condition;
+mod direct;
 mod disperse;
+mod divide;
 mod light;
 mod media;
 mod polarisation;

@@ -2,7 +2,6 @@
 
 use std::marker::PhantomData;
 
-use super::super::accumulate::set_lanes;
 use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
@@ -19,7 +18,7 @@ use crate::optics::{
     Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Picks the stage for a refraction formula. The variant for touching surfaces also handles dispersion, by looking up
 /// at run time whether media disperse.

@@ -106,9 +106,14 @@ impl Candidate for NativePath {
             let held = Held { native: Arc::clone(&native), kernel };
             Way { name, accel: Unbounded::new(held, geometry) }
         };
-        Ok([("single", Kernel::Single), ("packet", Kernel::Packet), ("batch", Kernel::Batch), ("stream", Kernel::Auto)]
-            .map(way)
-            .into())
+        Ok([
+            ("single", Kernel::Single),
+            ("packet", Kernel::Packet),
+            ("batch", Kernel::Stream),
+            ("stream", Kernel::Auto),
+        ]
+        .map(way)
+        .into())
     }
 
     fn validate(&self, geometry: &[Geometry]) -> std::result::Result<(), String> {

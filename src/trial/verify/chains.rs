@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::{Candidate, Plan, Tally};
 use crate::Result;
-use crate::geometry::{Geometry, GeometryMask, Shape, Sphere, TriMesh};
+use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
 use crate::render::{Observer, Options, render};
 use crate::scene::{
     Camera, Dispersion, Environment, FresnelRule, Interface, Material, Medium, MirrorSource, Object, Origin,
@@ -66,7 +66,7 @@ fn world(eye: Vec3, target: Vec3, depth: u32, cutoff: f32) -> Scene {
 
 fn add(scene: &mut Scene, shape: Shape, interface: Interface) {
     let material = Material { interface, ..Material::black("bare") };
-    let mask = if material.is_transmissive() { GeometryMask::TRANSMISSIVE } else { GeometryMask::OPAQUE };
+    let mask = material.mask();
     scene.geometry.push(Geometry { shape, mask });
     scene.objects.push(Object {
         name: String::from("bare"),
