@@ -180,7 +180,7 @@ macro_rules! choice {
 
             /// Name of the level on the command line and in reports, without its number.
             #[must_use]
-            $vis fn name(self) -> &'static str {
+            $vis const fn name(self) -> &'static str {
                 match self {
                     $(Self::$Level { .. } => $name,)+
                 }

@@ -64,20 +64,6 @@ fn possible<C: Choice>(level: C) -> PossibleValue {
 }
 
 crate::choice! {
-    /// Back end that traces rays.
-    pub enum BackendArg("backend", derive(Eq)) {
-        /// Eight-wide hierarchy of this program.
-        "native" => Native,
-        /// Renderer in f64: slow, and the arbiter of the others.
-        "reference" => Reference,
-        /// Embree in its robust mode, where built in.
-        "embree" => Embree,
-        /// Embree in its fast mode, which may lose rays at edges.
-        "embree-fast" => EmbreeFast,
-    }
-}
-
-crate::choice! {
     /// Paths of the verification.
     pub enum PathArg("backend", derive(Eq)) {
         /// Eight-wide hierarchy of this program.

@@ -190,7 +190,7 @@ fn boxes(scene: &Scene) -> Vec<Option<Aabb>> {
 }
 
 /// Returns a box around a shape, or `None` for a plane, which is on both sides of everything.
-fn bounds_of(shape: &Shape) -> Option<Aabb> {
+pub(super) fn bounds_of(shape: &Shape) -> Option<Aabb> {
     match shape {
         Shape::Mesh(mesh) => Some(Aabb::of(&mesh.positions)),
         Shape::Sphere(sphere) => Some(sphere.bounds()),

@@ -1,5 +1,6 @@
 //! Reasons for each effect: the parts of the scene that need it.
 
+use super::reach::bounds_of;
 use super::shell::is_closed;
 use super::{Effect, Reach};
 use crate::geometry::contact::Pair;
@@ -99,7 +100,7 @@ impl<'a> Facts<'a> {
         let scene = self.scene;
         let solids: Vec<(usize, Option<Aabb>)> = (0..scene.objects.len())
             .filter(|&o| self.reach.meets(o) && scene.medium_of(o).is_some())
-            .map(|o| (o, bounds(&scene.geometry[o].shape)))
+            .map(|o| (o, bounds_of(&scene.geometry[o].shape)))
             .collect();
         if solids.is_empty() {
             return off("depth 0 is enough, no solid is transparent");
@@ -339,14 +340,5 @@ fn encloses(shape: &Shape) -> bool {
     match shape {
         Shape::Mesh(mesh) => mesh.triangles.len() <= MOST_TRIANGLES && is_closed(mesh),
         Shape::Sphere(_) | Shape::Plane(_) => true,
-    }
-}
-
-/// Returns a box around a shape, or `None` for a plane.
-fn bounds(shape: &Shape) -> Option<Aabb> {
-    match shape {
-        Shape::Mesh(mesh) => Some(Aabb::of(&mesh.positions)),
-        Shape::Sphere(sphere) => Some(sphere.bounds()),
-        Shape::Plane(_) => None,
     }
 }

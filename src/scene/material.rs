@@ -2,8 +2,9 @@
 //!
 //! A ray that arrives at a surface with weight `w` (per channel) yields:
 //!
-//! * the *base*, `emission + ambient * scene ambient + sum over lights (diffuse + highlight)`, times `w` and the
-//! interface's base share; * the secondary rays of the [`Interface`], each with `w` times its share.
+//! - the *base* times `w` and the interface's base share, where the base is
+//!   `emission + ambient * scene ambient + sum over lights (diffuse + highlight)`;
+//! - the secondary rays of the [`Interface`], each with `w` times its share.
 //!
 //! `R` is the Fresnel reflectance at the angle of incidence (at normal incidence under `--fresnel off`), from the ray's
 //! medium to the one behind the surface.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::accel::Backend;
 use crate::choice::{Choice, number_of};
 use crate::geometry::Shape;
 use crate::geometry::triangle_test::TriangleModel;
@@ -37,18 +38,6 @@ crate::choice! {
         "precision" => Precision,
         /// Camera rays for each pixel.
         "sampling" => Sampling,
-    }
-}
-
-crate::choice! {
-    /// Back end that finds hits for the eight-wide renderer.
-    pub enum Backend("backend", derive(Eq, Hash)) {
-        /// Embree in its fast mode.
-        "embree-fast" => EmbreeFast,
-        /// Embree in its robust mode.
-        "embree" => EmbreeRobust,
-        /// Hierarchy of this crate.
-        "native" => Native,
     }
 }
 
@@ -139,7 +128,7 @@ impl Axis {
                 fixed.into_iter().chain([6, 9, 12].map(|bits| Level::Proven(2.0_f32.powi(-bits)))).collect()
             }
             Self::Depth => [1, 2, 4, 8, 16, 64].map(Level::Depth).to_vec(),
-            Self::Backend => of(Level::Backend),
+            Self::Backend => [Backend::EmbreeFast, Backend::Embree, Backend::Native].map(Level::Backend).to_vec(),
             Self::Triangles => {
                 let own = std::iter::once(Level::Triangles(None));
                 own.chain(of(|test| Level::Triangles(Some(test)))).collect()

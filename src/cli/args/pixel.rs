@@ -6,7 +6,8 @@ use clap::{Args, value_parser};
 
 use super::SettingsArgs;
 use super::numbers::{above_minus_one, not_negative};
-use crate::cli::choice::{BackendArg, about, about_with, levels};
+use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, about_with, levels};
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::ShadowRule;
 
@@ -66,6 +67,6 @@ pub(in crate::cli) struct PixelArgs {
     pub shadows: Option<ShadowRule>,
 
     /// Back end that traces rays in f32 [default: embree where built in, else native]
-    #[arg(long, value_parser = levels::<BackendArg>(), help_heading = "Machine")]
-    pub backend: Option<BackendArg>,
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub backend: Option<Renderer>,
 }

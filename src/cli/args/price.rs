@@ -5,9 +5,11 @@ use std::time::Duration;
 
 use clap::{Args, value_parser};
 
+use super::BvhArg;
 use super::formulas::FormulasArgs;
 use crate::accel::BuildQuality;
-use crate::cli::choice::{BackendArg, about, levels};
+use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, levels};
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
@@ -61,8 +63,8 @@ pub(in crate::cli) struct PriceArgs {
     pub samples: u32,
 
     /// The default back end [default: embree where it is there, else native]
-    #[arg(long, value_parser = levels::<BackendArg>())]
-    pub backend: Option<BackendArg>,
+    #[arg(long, value_enum)]
+    pub backend: Option<Renderer>,
 
     #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>())]
     pub bvh: Option<BuildQuality>,

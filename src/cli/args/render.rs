@@ -8,7 +8,8 @@ use clap::{Args, value_parser};
 use super::numbers::{above_minus_one, above_zero, bound, exposure};
 use super::{EffectArgs, SettingsArgs, price};
 use crate::accel::BuildQuality;
-use crate::cli::choice::{BackendArg, about, about_with, levels};
+use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, about_with, levels};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::image::Bits;
 use crate::optics::{FresnelModel, RefractionModel};
@@ -81,8 +82,8 @@ pub(in crate::cli) struct RenderArgs {
     pub effects: EffectArgs,
 
     /// Back end that traces rays [default: embree where built in, else native]
-    #[arg(long, value_parser = levels::<BackendArg>(), help_heading = "Machine")]
-    pub backend: Option<BackendArg>,
+    #[arg(long, value_enum, help_heading = "Machine")]
+    pub backend: Option<Renderer>,
 
     #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>(), help_heading = "Machine")]
     pub bvh: Option<BuildQuality>,

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use super::refuse_input;
 use crate::cli::args::BenchArgs;
 use crate::image::Destination;
-use crate::trial::{Picture, Plan, RayKind};
+use crate::trial::{BenchPlan, Picture, RayKind};
 use crate::{Error, Result};
 
 /// A trial of the back ends.
 #[derive(Debug)]
 pub(in crate::cli) struct Bench {
     pub scenes: Vec<PathBuf>,
-    pub plan: Plan,
+    pub plan: BenchPlan,
     /// Whole pictures instead of rays.
     pub frames: bool,
     /// Triangles of one landscape, again and again, instead of scenes.
@@ -58,7 +58,7 @@ impl TryFrom<BenchArgs> for Bench {
         Ok(Self {
             frames: args.frames,
             plot,
-            plan: Plan {
+            plan: BenchPlan {
                 bvh: args.bvh.unwrap_or_default(),
                 picture: Picture { edge: args.size, one_in: args.one_in },
                 kinds: RayKind::ALL.into_iter().filter(asked).collect(),

@@ -1,4 +1,4 @@
-//! `[camera]` and `[render]`.
+//! Reader of `[camera]` and `[render]`.
 
 use glam::{DVec3, Vec3};
 
@@ -12,7 +12,7 @@ use crate::scene::ranges::{LEAST_SINE_OF_UP, LIGHT_SAMPLES, MOST_DEPTH, MOST_WAV
 use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
 
-/// Eye and target in world coordinates.
+/// Returns eye and target in world coordinates.
 pub(super) fn line_of_sight(table: Option<&Table<'_>>) -> Result<[DVec3; 2]> {
     let default = Camera::default();
     let (eye, target) = (default.eye.as_dvec3(), default.target.as_dvec3());
@@ -20,7 +20,7 @@ pub(super) fn line_of_sight(table: Option<&Table<'_>>) -> Result<[DVec3; 2]> {
     Ok([table.or("eye", eye, Value::place)?, table.or("target", target, Value::place)?])
 }
 
-/// Reads `[camera]`; places become those of `frame`.
+/// Reads `[camera]` and converts positions to `frame`.
 pub(super) fn camera(
     table: Option<&Table<'_>>,
     frame: Frame,
@@ -46,7 +46,7 @@ pub(super) fn camera(
 
     let view = target.as_dvec3() - eye.as_dvec3();
     if view.length() <= f64::from(f32::EPSILON) * f64::from(eye.abs().max_element()) {
-        let message = format!("the camera's eye and target are the same point, {}", sight[0]);
+        let message = format!("the camera's eye and target are the same point, {}; move one of them", sight[0]);
         return Err(table.get("target").map_or_else(|| table.error(&message), |v| v.error(&message)));
     }
     let view = view.normalize();
@@ -64,8 +64,8 @@ pub(super) fn camera(
     Ok(camera)
 }
 
-/// The up direction for a view along the `up` that was asked for: +y, or, if the view is within 45 degrees of the y axis,
-/// -z, so that a map seen from above has x to the right.
+/// Returns a default up direction for a view that is parallel to the given `up`. It is +y, or -z if the view is within
+/// 45 degrees of the y axis, so that a map seen from above has x to the right.
 fn across(view: DVec3) -> Vec3 {
     if view.y.abs() > std::f64::consts::FRAC_1_SQRT_2 { Vec3::NEG_Z } else { Vec3::Y }
 }
@@ -109,7 +109,7 @@ fn lamps(table: &Table<'_>, default: LampSampling) -> Result<LampSampling> {
     let side = lamps.count.isqrt();
     if lamps.pattern == Pattern::Grid && side * side != lamps.count {
         let message = format!(
-            "a grid of {} `light_samples` is no square; take {} or {}",
+            "{} `light_samples` do not form a square grid; take {} or {}",
             lamps.count,
             side * side,
             (side + 1) * (side + 1)

@@ -1,4 +1,4 @@
-//! What is tried, by name.
+//! Groups of test cases, by name.
 
 crate::choice! {
     /// Groups of cases.
@@ -43,10 +43,10 @@ impl Group {
         Self::Chains,
     ];
 
-    /// The groups that are fired at a scene.
+    /// Groups that run on a scene.
     pub const OF_SCENE: [Self; 3] = [Self::Leaks, Self::SelfHits, Self::Parity];
 
-    /// Whether it concerns a path through the scene, and not formulas alone.
+    /// Returns true if the group tests a back end, and false if it tests formulas alone.
     #[must_use]
     pub fn is_of_path(self) -> bool {
         !matches!(self, Self::Fresnel | Self::Refraction | Self::Reflection | Self::Matched)
