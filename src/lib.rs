@@ -86,6 +86,7 @@
 #![warn(missing_docs)]
 
 pub mod accel;
+pub mod choice;
 #[cfg(feature = "cli")]
 #[doc(hidden)] // For src/main.rs alone.
 pub mod cli;

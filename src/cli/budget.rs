@@ -47,7 +47,6 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     let given = Variant {
         fresnel: job.options.fresnel,
         refraction: job.options.refraction,
-        oliveira: job.options.oliveira,
         reflection: job.options.reflection,
         spheres: job.spheres,
         bvh: job.bvh,
