@@ -5,8 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::{Facts, Notice, of_picture, of_scene};
 use crate::Result;
-use crate::accel::native::Native;
-use crate::accel::{BuildQuality, Unbounded};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects;
 use crate::load::LoadReport;
 use crate::render::{self, Observer, Options, Pixels, Shortfall};
@@ -30,7 +29,7 @@ pub fn survey(
     observer: &Observer,
 ) -> Result<Vec<Notice>> {
     let options = Options { effects: effects::Options::default(), ..options.clone() };
-    let accel = Unbounded::new(Native::try_build_as(&scene.geometry, BuildQuality::Default)?, &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
         let mut outcome = render::render(scene, &accel, &options, observer)?;
         let pixels = Pixels::new(&accel, &options, observer);

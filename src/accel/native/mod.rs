@@ -130,7 +130,8 @@ impl Native {
         Ok(Self { triangles, spheres, stats })
     }
 
-    /// The trees byte by byte, to tell whether two builds came out the same.
+    /// The trees byte by byte, for the test that they are the same for any number of threads.
+    #[doc(hidden)]
     #[must_use]
     pub fn tree_bytes(&self) -> Vec<u8> {
         let (t, s) = (&self.triangles, &self.spheres);

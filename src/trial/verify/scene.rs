@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::sample::Rng;
 use super::self_hits::{Leaving, leaving};
-use super::{Candidate, Finding, Group, Place, Plan, Tally, Way, in_batches, timed};
+use super::{Candidate, Finding, Group, NamedAccel, Place, Plan, Tally, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
@@ -81,7 +81,7 @@ struct Target<'a, I> {
     scene: &'a Scene,
     /// File of the scene, as typed.
     name: &'a str,
-    ways: Vec<Way<I>>,
+    ways: Vec<NamedAccel<I>>,
     /// True if all traversals promise the same bits.
     exact: bool,
 }
