@@ -8,7 +8,7 @@ use crate::scene::FresnelRule;
 
 /// Lobe of light that leaves a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct Lobe {
     /// Share per channel, excluding tints.
     pub share: DVec3,
     /// Polarisation carried on, in the frame of the plane of incidence, if polarisation is computed.
@@ -17,11 +17,11 @@ pub(super) struct Way {
 
 /// Both lobes of a transparent surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ways {
+pub(super) struct Lobes {
     /// Reflected lobe.
-    pub back: Way,
+    pub reflection: Lobe,
     /// Lobe that is refracted or passes straight.
-    pub on: Way,
+    pub transmission: Lobe,
 }
 
 /// Divides light at a boundary. `before` is the arriving polarisation in the frame of the plane of incidence.
@@ -31,12 +31,12 @@ pub(super) fn at_boundary(
     boundary: &Boundary<f64>,
     at: &Crossing<f64>,
     before: Option<Polarisation>,
-) -> Ways {
+) -> Lobes {
     match (rule, before) {
         (FresnelRule::Fixed(share), _) if !at.total => fixed(share.as_dvec3(), before),
         (_, None) => plain(reflectance(model, boundary, at)),
         (_, Some(before)) => {
-            ways(&before, [Mueller::reflected(boundary, at); 3], [Mueller::refracted(boundary, at); 3])
+            lobes(&before, [Mueller::reflected(boundary, at); 3], [Mueller::refracted(boundary, at); 3])
         }
     }
 }
@@ -48,48 +48,51 @@ pub(super) fn at_pane(
     boundary: &Boundary<f64>,
     at: &Crossing<f64>,
     before: Option<Polarisation>,
-) -> Ways {
+) -> Lobes {
     match (rule, before) {
         (FresnelRule::Fixed(share), _) if !at.total => fixed(share.as_dvec3(), before),
         (_, None) => plain(thin_reflectance(reflectance(model, boundary, at))),
         (_, Some(before)) => {
-            let (back, on) = Mueller::reflected(boundary, at).pane(at.total);
-            ways(&before, [back; 3], [on; 3])
+            let (reflection, transmission) = Mueller::reflected(boundary, at).pane(at.total);
+            lobes(&before, [reflection; 3], [transmission; 3])
         }
     }
 }
 
 /// Reflects light at a metal.
-pub(super) fn at_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3, before: Option<Polarisation>) -> Way {
+pub(super) fn at_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3, before: Option<Polarisation>) -> Lobe {
     match before {
-        None => Way { share: of_metal(model, cos_i, eta, k), polarisation: None },
+        None => Lobe { share: of_metal(model, cos_i, eta, k), polarisation: None },
         Some(before) => {
             let surface = std::array::from_fn(|c| Mueller::metal(cos_i, eta[c], k[c]));
-            Way { share: before.gain(&surface), polarisation: Some(before.then(&surface)) }
+            Lobe { share: before.gain(&surface), polarisation: Some(before.then(&surface)) }
         }
     }
 }
 
 /// Reflects light at a mirror of fixed reflectance, which treats all polarisations alike.
-pub(super) fn at_mirror(share: DVec3, before: Option<Polarisation>) -> Way {
-    Way { share, polarisation: before.map(|before| before.then(&[Mueller::mirror(1.0); 3])) }
+pub(super) fn at_mirror(share: DVec3, before: Option<Polarisation>) -> Lobe {
+    Lobe { share, polarisation: before.map(|before| before.then(&[Mueller::mirror(1.0); 3])) }
 }
 
-fn plain(r: f64) -> Ways {
-    let way = |share| Way { share: DVec3::splat(share), polarisation: None };
-    Ways { back: way(r), on: way(1.0 - r) }
+fn plain(r: f64) -> Lobes {
+    let lobe = |share| Lobe { share: DVec3::splat(share), polarisation: None };
+    Lobes { reflection: lobe(r), transmission: lobe(1.0 - r) }
 }
 
 /// Divides light by a fixed share, which does not depend on polarisation. Only the mirror's reversal changes it.
-fn fixed(share: DVec3, before: Option<Polarisation>) -> Ways {
-    Ways { back: at_mirror(share, before), on: Way { share: DVec3::ONE - share, polarisation: before } }
+fn fixed(share: DVec3, before: Option<Polarisation>) -> Lobes {
+    Lobes {
+        reflection: at_mirror(share, before),
+        transmission: Lobe { share: DVec3::ONE - share, polarisation: before },
+    }
 }
 
-fn ways(before: &Polarisation, back: [Mueller<f64>; 3], on: [Mueller<f64>; 3]) -> Ways {
-    let share = before.gain(&back);
-    Ways {
-        back: Way { share, polarisation: Some(before.then(&back)) },
-        on: Way { share: DVec3::ONE - share, polarisation: Some(before.then(&on)) },
+fn lobes(before: &Polarisation, reflection: [Mueller<f64>; 3], transmission: [Mueller<f64>; 3]) -> Lobes {
+    let share = before.gain(&reflection);
+    Lobes {
+        reflection: Lobe { share, polarisation: Some(before.then(&reflection)) },
+        transmission: Lobe { share: DVec3::ONE - share, polarisation: Some(before.then(&transmission)) },
     }
 }
 
