@@ -8,6 +8,8 @@
 //! What is chosen prepares the rays, clips them to boxes and meets triangles. Exact spheres divide truly whatever is
 //! chosen.
 
+pub use crate::geometry::triangle_test::TriangleModel;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::native::Native;
@@ -17,7 +19,7 @@ use super::native::node::leaf::{Leaf, LeafHits, Tags};
 use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector};
 use crate::Result;
 use crate::geometry::slab::{SlabRay, upper_end};
-use crate::geometry::triangle_test::{Meeting, TriangleModel, TriangleTest, TriangleVisitor};
+use crate::geometry::triangle_test::{Meeting, TriangleTest, TriangleVisitor};
 use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, sphere};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8, Reciprocal, ReciprocalModel, ReciprocalVisitor, Vec3x8};

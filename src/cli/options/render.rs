@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::choices::{no_hierarchy, refraction};
 use super::{Overrides, effects, format_of, refuse_input};
+use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::args::RenderArgs;
 use crate::cli::backend::Renderer;
 use crate::effects::Effect;
-use crate::geometry::triangle_test::TriangleModel;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::RefractionModel;
 use crate::scene::ShadowRule;
