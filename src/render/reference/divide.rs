@@ -8,8 +8,7 @@ use super::split::{Lobe, Lobes, at_boundary, at_metal, at_mirror, at_pane};
 use super::trace::{Arrival, Tracer};
 use super::{Prepared, colour};
 use crate::optics::{
-    Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
-    StraightThrough, Trigonometric, below_surface,
+    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface,
 };
 use crate::render::record::{Recorder, Source, Split};
 use crate::render::{Limit, RayKind, Reflection};
@@ -191,22 +190,14 @@ impl<L: Recorder> Tracer<'_, '_, L> {
 impl Prepared<'_> {
     /// Returns the refracted direction by the chosen formula.
     fn refract(&self, boundary: &Boundary<f64>, at: &Arrival, crossing: &Crossing<f64>) -> Refracted<f64> {
-        fn by<F: RefractionFormula>(
-            formula: F,
-            boundary: &Boundary<f64>,
-            at: &Arrival,
-            crossing: &Crossing<f64>,
-        ) -> Refracted<f64> {
-            formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+        struct Of<'a>(&'a Boundary<f64>, &'a Arrival<'a>, &'a Crossing<f64>);
+        impl RefractionVisitor for Of<'_> {
+            type Output = Refracted<f64>;
+            fn visit<F: RefractionFormula>(self, formula: F) -> Refracted<f64> {
+                let Self(boundary, at, crossing) = self;
+                formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+            }
         }
-        match self.refraction {
-            RefractionModel::Stable => by(Stable, boundary, at, crossing),
-            RefractionModel::Trigonometric => by(Trigonometric, boundary, at, crossing),
-            RefractionModel::Heckbert => by(Heckbert, boundary, at, crossing),
-            RefractionModel::Bec => by(Bec, boundary, at, crossing),
-            RefractionModel::SlidesVector => by(SlidesVector, boundary, at, crossing),
-            RefractionModel::Oliveira => by(self.oliveira, boundary, at, crossing),
-            RefractionModel::StraightThrough => by(StraightThrough, boundary, at, crossing),
-        }
+        self.refraction.dispatch(Of(boundary, at, crossing))
     }
 }

@@ -3,10 +3,7 @@
 use glam::DVec3;
 
 use super::polarisation::Polarisation;
-use crate::math::Vector3;
-use crate::optics::{
-    AtNormal, Boundary, Crossing, Exact, FresnelFormula, FresnelModel, Mueller, Schlick, thin_reflectance,
-};
+use crate::optics::{Boundary, Crossing, FresnelFormula, FresnelModel, FresnelVisitor, Mueller, thin_reflectance};
 use crate::scene::FresnelRule;
 
 /// Lobe of light that leaves a surface.
@@ -101,20 +98,24 @@ fn lobes(before: &Polarisation, reflection: [Mueller<f64>; 3], transmission: [Mu
 
 /// Returns the reflectance of a dielectric boundary for unpolarised light.
 fn reflectance(model: FresnelModel, boundary: &Boundary<f64>, at: &Crossing<f64>) -> f64 {
-    match model {
-        FresnelModel::Exact | FresnelModel::Polarised => Exact::dielectric(boundary, at),
-        FresnelModel::Schlick => Schlick::dielectric(boundary, at),
-        FresnelModel::Off => AtNormal::dielectric(boundary, at),
+    struct Of<'a>(&'a Boundary<f64>, &'a Crossing<f64>);
+    impl FresnelVisitor for Of<'_> {
+        type Output = f64;
+        fn visit<F: FresnelFormula>(self, _formula: F) -> f64 {
+            F::dielectric(self.0, self.1)
+        }
     }
+    model.dispatch(Of(boundary, at))
 }
 
 /// Returns the reflectance of a metal for unpolarised light.
 fn of_metal(model: FresnelModel, cos_i: f64, eta: DVec3, k: DVec3) -> DVec3 {
-    let (eta, k): (Vector3<f64>, Vector3<f64>) = (eta.into(), k.into());
-    match model {
-        FresnelModel::Exact | FresnelModel::Polarised => Exact::conductor_rgb(cos_i, eta, k),
-        FresnelModel::Schlick => Schlick::conductor_rgb(cos_i, eta, k),
-        FresnelModel::Off => AtNormal::conductor_rgb(cos_i, eta, k),
+    struct Of(f64, DVec3, DVec3);
+    impl FresnelVisitor for Of {
+        type Output = DVec3;
+        fn visit<F: FresnelFormula>(self, _formula: F) -> DVec3 {
+            F::conductor_rgb(self.0, self.1.into(), self.2.into()).into()
+        }
     }
-    .into()
+    model.dispatch(Of(cos_i, eta, k))
 }
