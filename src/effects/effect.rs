@@ -5,7 +5,7 @@ use crate::choice::Choice as _;
 crate::choice! {
     /// Effect of light that a render may simulate.
     ///
-    /// The documentation of an effect says what the picture is without it.
+    /// The documentation of an effect describes the picture without it.
     pub enum Effect("effects", derive(Eq, Hash, PartialOrd, Ord)) {
         /// No surface answers the ambient colour.
         "ambient" => Ambient,
@@ -17,7 +17,7 @@ crate::choice! {
         "highlight" => Highlight,
         /// Lights shine through everything.
         "hard-shadows" => HardShadows,
-        /// Lamps with an extent shine from their middles.
+        /// Area lamps shine from their middles.
         "soft-shadows" => SoftShadows,
         /// Transparent surfaces cast shadows as opaque ones do.
         "shadows-through-glass" => ShadowsThroughGlass,
@@ -27,25 +27,25 @@ crate::choice! {
         "conductor" => Conductor,
         /// Light goes straight on through transparent surfaces.
         "refraction" => Refraction,
-        /// Clear surfaces reflect nothing but what they reflect totally.
+        /// Clear surfaces reflect only by total reflection.
         "fresnel-split" => FresnelSplit,
         /// Light that would be reflected totally ends.
         "total-internal-reflection" => TotalInternalReflection,
-        /// Media have one index for all of light, that at the line d.
+        /// Media have one index for all wavelengths, that at the line d.
         "dispersion" => Dispersion,
-        /// Media take nothing of light.
+        /// Media absorb no light.
         "absorption" => Absorption,
-        /// Where media overlap, the last entered fills the space.
+        /// The medium entered last fills the space where media overlap.
         "nested-media" => NestedMedia,
-        /// Of surfaces that coincide, the one that rounding puts first is met alone.
+        /// Rays cross only one of several coinciding surfaces, chosen by rounding.
         "touching" => Touching,
-        /// Rays that meet nothing see black.
+        /// Rays that hit nothing see black.
         "environment" => Environment,
-        /// Pictures and checkers give way to their mean colours.
+        /// Pictures and checkers are replaced by their mean colours.
         "textures" => Textures,
         /// Meshes are faceted.
         "interpolated-normals" => InterpolatedNormals,
-        /// Panes are not there.
+        /// Panes are invisible.
         "thin-panes" => ThinPanes,
         /// Coated surfaces show their base alone.
         "coats" => Coats,
@@ -55,14 +55,14 @@ crate::choice! {
 }
 
 impl Effect {
-    /// What the picture is without it, as the end of a sentence.
+    /// Returns the description of the picture without the effect, as the end of a sentence.
     #[must_use]
     pub fn left_out(self) -> String {
         let help = self.help();
         help.chars().take(1).flat_map(char::to_lowercase).chain(help.chars().skip(1)).collect()
     }
 
-    /// The effect of this name.
+    /// Returns the effect of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|e| e.name() == name)
