@@ -71,7 +71,7 @@
 //! | [`render`] | the renderers in eight lanes and in `f64` |
 //! | [`notices`] | warnings about a scene and its picture |
 //! | [`trial`], [`study`] | back ends side by side; what accuracy costs |
-//! | [`error`], [`system`] | the error type; limits of the machine |
+//! | [`error`], [`system`], [`choice`] | the error type; limits of the machine; settings with named levels |
 //!
 //! # Building
 //!
@@ -86,6 +86,7 @@
 #![warn(missing_docs)]
 
 pub mod accel;
+pub mod choice;
 #[cfg(feature = "cli")]
 #[doc(hidden)] // For src/main.rs alone.
 pub mod cli;

@@ -8,6 +8,7 @@ use clap::builder::PossibleValue;
 use super::{interrupt, output};
 use crate::accel::walk::{TestCounts, TriangleModel, Walk};
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, BuildStats, Intersector, Unbounded};
+use crate::choice::Choice as _;
 use crate::error::{Error, Result, Unavailable};
 use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
@@ -41,7 +42,7 @@ impl ValueEnum for Renderer {
         let help = match self {
             Self::Packets(backend) => backend.help(),
             Self::Walk(..) => return None,
-            Self::Reference => "The f64 renderer: slow, obvious, the arbiter",
+            Self::Reference => String::from("Renderer in f64: slow, and the arbiter of the others"),
         };
         Some(PossibleValue::new(self.name()).help(help))
     }

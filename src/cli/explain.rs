@@ -146,7 +146,7 @@ struct Row {
     effect: &'static str,
     on: bool,
     because: String,
-    left_out: &'static str,
+    left_out: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     worth: Option<Worth>,
 }

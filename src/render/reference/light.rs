@@ -6,9 +6,9 @@ use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
 use super::super::place::{Layer, Place, Through, governing};
 use super::super::unmatched::UnmatchedExits;
-use super::media::{MediumStack, Meeting};
+use super::media::{MediumStack, Transition};
 use super::polarisation::Polarisation;
-use super::split::{Ways, at_boundary, at_pane};
+use super::split::{Lobes, at_boundary, at_pane};
 use super::{Prepared, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
@@ -217,13 +217,13 @@ impl Marched<'_> {
                     let outside = |face: &Face| here.is_outside(face, self.ray.dir);
                     let body = |object| self.prepared.bodies.of_object(object);
                     let crossed = here.crossed(faces, self.ray.dir, body);
-                    let meeting = self.stack.meet_all(self.prepared.filled(), &crossed);
-                    let sides = match &meeting {
-                        Meeting::Boundary { from, to, .. } => [*from, *to],
-                        Meeting::NotThere(_) => [0, 0],
+                    let transition = self.stack.cross_all(self.prepared.filled(), &crossed);
+                    let sides = match &transition {
+                        Transition::Boundary { from, to, .. } => [*from, *to],
+                        Transition::Passed(_) => [0, 0],
                     };
                     let face = *governing(scene, faces, sides, outside);
-                    self.cross_boundary(meeting, face.object, face.outward(here.point()));
+                    self.cross_boundary(transition, face.object, face.outward(here.point()));
                 }
             }
             place = here.onward().and_then(|way| Place::resumed(scene, contacts, way));
@@ -231,17 +231,18 @@ impl Marched<'_> {
     }
 
     /// Crosses a boundary between media.
-    fn cross_boundary(&mut self, meeting: Meeting, object: u32, outward: DVec3) {
+    fn cross_boundary(&mut self, transition: Transition, object: u32, outward: DVec3) {
         let Interface::Dielectric { rule, tint, .. } = self.prepared.material(object).interface else { return };
-        match meeting {
-            Meeting::NotThere(beyond) => self.stack = beyond,
-            Meeting::Boundary { from, to, beyond, unmatched } => {
+        match transition {
+            Transition::Passed(beyond) => self.stack = beyond,
+            Transition::Boundary { from, to, beyond, unmatched } => {
                 let (n1, n2) = (self.prepared.ior(from, self.nm), self.prepared.ior(to, self.nm));
                 let boundary = Boundary::new(n1.min(n2), n1.max(n2));
                 let (cos, before) = self.at(outward);
-                let Ways { on, .. } = at_boundary(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
-                self.share *= on.share * tint.as_dvec3();
-                self.carried = on.polarisation;
+                let Lobes { transmission, .. } =
+                    at_boundary(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                self.share *= transmission.share * tint.as_dvec3();
+                self.carried = transmission.polarisation;
                 if unmatched {
                     self.unmatched.add(object);
                 }
@@ -257,14 +258,15 @@ impl Marched<'_> {
             Interface::Dielectric { .. } => {
                 let body = self.prepared.bodies.of_object(object).unwrap_or(0);
                 let front = outward.dot(self.ray.dir) < 0.0;
-                self.cross_boundary(self.stack.meet(filled, body, front), object, outward);
+                self.cross_boundary(self.stack.cross(filled, body, front), object, outward);
             }
             Interface::ThinDielectric { ior, rule, tint } => {
                 let boundary = Boundary::new(self.prepared.ior(self.stack.top(filled), self.nm), f64::from(ior));
                 let (cos, before) = self.at(outward);
-                let Ways { on, .. } = at_pane(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
-                self.share *= on.share * tint.as_dvec3();
-                self.carried = on.polarisation;
+                let Lobes { transmission, .. } =
+                    at_pane(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                self.share *= transmission.share * tint.as_dvec3();
+                self.carried = transmission.polarisation;
             }
             Interface::Alpha { opacity } => self.share *= 1.0 - f64::from(opacity),
             // Opaque surfaces only arrive here with a wrong geometry mask. They block the light.

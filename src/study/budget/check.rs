@@ -96,7 +96,7 @@ pub fn check(
     observer: &Observer,
 ) -> Result<Check> {
     let exact = reference::most_exact(default, scene);
-    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
+    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.try_clone()? };
     let prepared = Prepared::new(&judge, exact.fresnel);
     let condition = Condition::new(&judge, prepared, bound, observer);
     let pixels = sample(film.width, film.height);
