@@ -11,6 +11,7 @@ mod pixel;
 mod price;
 mod render;
 mod settings;
+mod strict;
 mod verify;
 
 use std::sync::LazyLock;
@@ -27,6 +28,7 @@ pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
 pub(super) use render::RenderArgs;
 pub(super) use settings::SettingsArgs;
+pub(super) use strict::StrictArg;
 pub(super) use verify::VerifyArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));

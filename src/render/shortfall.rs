@@ -25,6 +25,9 @@ const MOST: f64 = 0.5;
 /// Pixels that are rendered again, at most.
 const SAMPLE: usize = 512;
 
+/// Pixels of the sample that are rendered again in any case, where the others take too many rays.
+const FEWEST: usize = 32;
+
 /// Pixels of the sample that are rendered at a time.
 const PART: usize = 16;
 
@@ -173,24 +176,38 @@ type Steps = [u32; 2];
 
 impl Search<'_> {
     fn run(&mut self) -> Result<Option<Shortfall>> {
-        // Evenly by rank, and the worst one.
+        // Evenly by rank, so that the first of them are spread evenly, too; and the worst one.
         let ranks = self.candidates.len();
-        let count = ranks.min(SAMPLE);
-        let rank = |k: usize| (2 * k + 1) * ranks / (2 * count);
-        let sample: Vec<usize> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].1).collect();
-        let bounds: Vec<f64> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].0).collect();
+        let mut count = ranks.min(SAMPLE);
+        let stride = even_stride(count);
+        let rank = |k: usize| (2 * (k * stride % count) + 1) * ranks / (2 * count);
+        let places: Vec<usize> = (0..count).map(rank).chain([0]).collect();
+        let mut sample: Vec<usize> = places.iter().map(|&rank| self.candidates[rank].1).collect();
+        let mut lacks: Vec<f64> = places.iter().map(|&rank| self.candidates[rank].0).collect();
 
         // The truth, as far as it can be had.
         let mut truth: Option<(Steps, Vec<PixelMean>)> = None;
-        let mut lacks = bounds;
         // Rendered again as well, since the picture may be another renderer's.
-        let narrow = self.render(self.own.clone(), &sample)?;
+        let mut narrow = self.render_some(self.own.clone(), &sample, self.left / 4)?;
+        let mut seen = self.render_some(self.settings([1; 2]), &sample[..narrow.len()], self.left / 2)?;
+        if seen.len() < sample.len() && seen.len() >= FEWEST {
+            // Part of the sample tells more than the bound.
+            count = seen.len();
+            sample.truncate(count);
+        }
+        let affordable = seen.len() == sample.len();
+        narrow.truncate(sample.len());
         for step in 1..=STEPS {
-            let Some(narrow) = &narrow else { break };
-            let Some(seen) = self.render(self.settings([step; 2]), &sample)? else { break };
+            if !affordable {
+                break;
+            }
+            if step > 1 {
+                let Some(wider) = self.render(self.settings([step; 2]), &sample)? else { break };
+                seen = wider;
+            }
             lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow, wide)).collect();
             let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
-            truth = Some(([step; 2], seen));
+            truth = Some(([step; 2], seen.clone()));
             if self.short(&unknown, count) == 0 {
                 break;
             }
@@ -206,9 +223,9 @@ impl Search<'_> {
                 by_limit[limit as usize][0] += lacks;
             }
         }
-        let cure = match (&truth, &narrow) {
-            (Some((widest, seen)), Some(narrow)) => self.mend(*widest, [narrow, seen], &sample, count)?,
-            _ => None,
+        let cure = match &truth {
+            Some((widest, seen)) => self.mend(*widest, [&narrow, seen], &sample, count)?,
+            None => None,
         };
         if cure == Some([0; 2]) {
             // What wider limits add is invisible.
@@ -313,19 +330,27 @@ impl Search<'_> {
 
     /// Some pixels under other settings; none where that takes more rays than are left.
     fn render(&mut self, settings: Settings, which: &[usize]) -> Result<Option<Vec<PixelMean>>> {
+        let pixels = self.render_some(settings, which, self.left)?;
+        Ok((pixels.len() == which.len()).then_some(pixels))
+    }
+
+    /// The first of some pixels under other settings: those that take no more than `most` rays, to the nearest part.
+    fn render_some(&mut self, settings: Settings, which: &[usize], most: u64) -> Result<Vec<PixelMean>> {
         let width = self.outcome.film.width as usize;
         let places: Vec<[u32; 2]> = which.iter().map(|i| [(i % width) as u32, (i / width) as u32]).collect();
         let mut pixels = Vec::with_capacity(places.len());
         self.scene.settings = settings;
+        let mut spent = 0;
         for part in places.chunks(PART) {
             let seen = (self.again)(&self.scene, part)?;
             pixels.extend(seen.pixels);
-            self.left = self.left.saturating_sub(seen.rays);
-            if self.left == 0 && pixels.len() < places.len() {
-                return Ok(None);
+            spent += seen.rays;
+            if spent >= most {
+                break;
             }
         }
-        Ok(Some(pixels))
+        self.left = self.left.saturating_sub(spent);
+        Ok(pixels)
     }
 
     /// The limits of some steps with their cost.
@@ -357,6 +382,13 @@ fn widened(rgb: [f32; 3]) -> DVec3 {
     DVec3::from_array(rgb.map(f64::from))
 }
 
+/// A step through a list of `count` places that visits each once and keeps the visited ones evenly spread.
+fn even_stride(count: usize) -> usize {
+    let divides_both = |a: usize, b: usize| (2..=a.min(b)).any(|d| a % d == 0 && b % d == 0);
+    let golden = ((count as f64 * 0.618_033_988_749_894_9) as usize).max(1);
+    (golden..).find(|&stride| !divides_both(stride, count)).unwrap_or(1)
+}
+
 /// A number above 0, cut to two decimal digits.
 fn two_digits(x: f32) -> f32 {
     let unit = 10_f64.powi(f64::from(x).log10().floor() as i32 - 1);
@@ -366,6 +398,18 @@ fn two_digits(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stride_visits_every_place_once_and_evenly() {
+        for count in (1..40).chain([512]) {
+            let stride = even_stride(count);
+            let mut places: Vec<usize> = (0..count).map(|k| k * stride % count).collect();
+            let lower = places[..count / 2].iter().filter(|&&place| 2 * place < count).count();
+            assert!(lower.abs_diff(count / 4) <= 3, "{lower} of the first half of {count} by {stride}");
+            places.sort_unstable();
+            assert!(places.into_iter().eq(0..count), "{count}");
+        }
+    }
 
     #[test]
     fn numbers_are_cut_to_two_digits() {

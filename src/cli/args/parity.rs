@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
+use super::StrictArg;
 use crate::accel::BuildQuality;
 use crate::cli::choice::{about, levels};
 use crate::trial::shown::{self, Ray};
@@ -52,6 +53,9 @@ pub(in crate::cli) struct ParityArgs {
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, value_parser};
 
 use super::numbers::{above_minus_one, above_zero, bound, exposure};
-use super::{EffectArgs, SettingsArgs, price};
+use super::{EffectArgs, SettingsArgs, StrictArg, price};
 use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
 use crate::cli::backend::Renderer;
@@ -111,9 +111,8 @@ pub(in crate::cli) struct RenderArgs {
         help_heading = "Machine")]
     pub tile: u32,
 
-    /// Make every warning, and everything dropped or clamped, an error
-    #[arg(long, help_heading = "Reports")]
-    pub strict: bool,
+    #[command(flatten, next_help_heading = "Reports")]
+    pub strict: StrictArg,
 
     /// Print the summary as JSON on standard output
     #[arg(long, help_heading = "Reports")]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
+use super::StrictArg;
 use crate::accel::BuildQuality;
 use crate::cli::choice::{PathArg, about, levels};
 use crate::trial::verify::Group;
@@ -43,6 +44,9 @@ pub(in crate::cli) struct VerifyArgs {
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]

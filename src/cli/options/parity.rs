@@ -19,6 +19,8 @@ pub(in crate::cli) struct Parity {
     pub bvh: BuildQuality,
     /// 0 is one a processor.
     pub threads: usize,
+    /// Warnings are errors.
+    pub strict: bool,
     pub json: bool,
     pub quiet: bool,
 }
@@ -32,6 +34,7 @@ impl From<ParityArgs> for Parity {
             picture: SmallPicture { width: args.width, height: args.height },
             bvh: args.bvh.unwrap_or_default(),
             threads: args.threads.unwrap_or(0) as usize,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         }

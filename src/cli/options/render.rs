@@ -127,7 +127,7 @@ impl TryFrom<RenderArgs> for Render {
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
-            strict: args.strict,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         })

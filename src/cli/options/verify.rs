@@ -21,6 +21,8 @@ pub(in crate::cli) struct Verify {
     pub bvh: BuildQuality,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
+    /// Warnings are errors.
+    pub strict: bool,
     pub json: bool,
     pub quiet: bool,
 }
@@ -62,6 +64,7 @@ impl TryFrom<VerifyArgs> for Verify {
             embree,
             bvh: args.bvh.unwrap_or_default(),
             threads: args.threads.unwrap_or(0) as usize,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         })
