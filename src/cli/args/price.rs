@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use clap::{Args, value_parser};
 
-use super::BvhArg;
 use super::formulas::FormulasArgs;
 use crate::accel::BuildQuality;
 use crate::cli::backend::Renderer;
