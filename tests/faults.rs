@@ -325,7 +325,6 @@ fn a_study_names_what_is_in_the_way_of_its_folder_and_goes_on_from_a_damaged_jou
         vitrum(folder.path(), &line).output().unwrap()
     };
     refused(&study("link"), 3, "link is a link to a folder that does not exist");
-    refused(&study("scene.toml"), 3, "scene.toml is a file");
     assert!(study("out").status.success());
     let journal = folder.path().join("out/study/journal.jsonl");
     let whole = fs::read(&journal).unwrap();
