@@ -14,6 +14,7 @@ mod class;
 mod extent;
 mod extra;
 mod eye;
+mod first_hits;
 mod lamp;
 mod light;
 mod limit;
@@ -43,8 +44,10 @@ mod unmatched;
 mod worker;
 
 pub use accumulate::PixelMean;
+pub use camera::Lens;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
+pub use first_hits::{FirstHit, first_hits};
 pub use limit::Limit;
 pub use memory::need;
 pub use options::{Observer, Options, Reflection};
@@ -151,18 +154,24 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         Self { accel, options, observer, facts: OnceCell::new() }
     }
 
-    /// Renders the whole picture, as [`render`] does. Later calls for pixels share what was found before its first ray.
+    /// Renders the whole picture, as [`render`] does. Later calls share the facts found before its first ray.
     ///
     /// # Errors
     /// Fails as [`render`] does.
     pub fn picture(&self, scene: &Scene) -> Result<Outcome> {
         let scene = &*effects::without(scene, self.options.effects.without);
-        picture(scene, self.accel, self.facts(scene), self.options, self.observer)
+        picture(scene, self.accel, self.facts(scene)?, self.options, self.observer)
     }
 
-    fn facts(&self, scene: &Scene) -> &SceneFacts<'a> {
+    fn facts(&self, scene: &Scene) -> Result<&SceneFacts<'a>> {
         let &Self { accel, options, .. } = self;
-        self.facts.get_or_init(|| SceneFacts::of(scene, accel, options).with_shafts(scene, accel))
+        match self.facts.get() {
+            Some(facts) => Ok(facts),
+            None => {
+                let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
+                Ok(self.facts.get_or_init(|| facts))
+            }
+        }
     }
 
     /// Renders the pixels `which`, given by column and row from 0 at the upper left, as [`render`] does, to the bit.
@@ -175,7 +184,7 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let parts = render_tiles(scene, accel, self.facts(scene), options, observer, &tiles, &|_| ())?;
+        let parts = render_tiles(scene, accel, self.facts(scene)?, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
         for (results, counts) in parts {
             again.rays += counts.rays.total();
@@ -206,9 +215,9 @@ impl<'a> SceneFacts<'a> {
     }
 
     /// Adds the shafts if the scene's area lamps need them.
-    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Self {
-        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
-        Self { shafts, ..self }
+    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Result<Self> {
+        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry)).transpose()?;
+        Ok(Self { shafts, ..self })
     }
 
     /// Picks the stages that the scene needs.

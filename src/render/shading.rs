@@ -22,9 +22,9 @@ use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Contacts;
 use crate::math::Real;
-use crate::optics::{Oliveira, Spectrum, transmittance};
+use crate::optics::{RefractionModel, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Factor that makes up for rounding tolls down to `f32`.
 const ROUNDED_UP: f32 = 1.0 + 1e-6;
@@ -55,8 +55,8 @@ pub struct Shading<'a> {
     /// Arrivals of the chunk's rays and of their shadow rays where surfaces touch.
     pub arrivals: Arrivals,
     pub shadow_arrivals: Arrivals,
-    /// Constant of Oliveira's refraction formula.
-    pub oliveira: Oliveira,
+    /// Formula for the direction of refracted light, with its constant.
+    pub refraction: RefractionModel,
     /// Stage for reflected light.
     pub reflect: ReflectStage,
     /// Classes of geometry that block a shadow ray.
@@ -113,7 +113,7 @@ impl<'a> Shading<'a> {
             touching: Touching::new(contacts),
             arrivals: Arrivals::default(),
             shadow_arrivals: Arrivals::default(),
-            oliveira: options.oliveira,
+            refraction: stages.refraction,
             reflect: mirrored::pick(options.reflection, scene),
             shadow_admits: stages.shadow_admits,
             carries: stages.carries,
@@ -300,7 +300,7 @@ impl<'a> Shading<'a> {
     pub fn absorbed(&self, lanes: u8, stack: &[StackId; 8], t: F32x8) -> Option<Rgb8> {
         let mut coefficient = Vec3x8::splat(Rgb::ZERO);
         let mut any = false;
-        for k in super::accumulate::set_lanes(lanes) {
+        for k in set_lanes(lanes) {
             if let Some(absorption) = self.media.absorption(stack[k]) {
                 coefficient.set_lane(k, absorption);
                 any = true;

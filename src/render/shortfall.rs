@@ -1,9 +1,9 @@
 //! Light that a picture lacks because rays ended at a limit.
 //!
 //! The truncated weight of a pixel, times the [`Ceiling`] of the scene, bounds the light it may lack. The bound is far too
-//! high where the ended rays would have seen no lamp. So where more than a few pixels may lack light by it, a sample of
-//! these pixels is rendered again under wider limits, until what still ends there is invisible by the bound. What the sample
-//! gains is what it lacked.
+//! high if the ended rays would have seen no lamp. So if more than a few pixels exceed it, a sample of them is rendered
+//! again under wider limits, until the weight that still ends is invisible by the bound. The sample lacked the light that
+//! it gains.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -52,7 +52,7 @@ const FEW_RAYS: u64 = 1 << 23;
 /// Rays that they may take at most.
 const MOST_RAYS: u64 = 1 << 25;
 
-/// Visible light that is missing.
+/// Visible light that a picture lacks.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Shortfall {
     /// Pixels that lack visible light, as the sample has it.
@@ -65,9 +65,9 @@ pub struct Shortfall {
     pub lacks: f64,
     /// The limit that ended most of the light that is missing.
     pub limit: Limit,
-    /// Limits that mend it, where some within reach do.
+    /// Limits that cure it, if any within reach do.
     pub cure: Option<Cure>,
-    /// Else the widest limits that were tried.
+    /// Otherwise the widest limits that were tried.
     pub tried: Option<Cure>,
 }
 
@@ -82,12 +82,12 @@ pub struct Cure {
     pub cost: f64,
 }
 
-/// Pixels rendered again.
+/// Pixels rendered again, with their cost.
 #[derive(Clone, Debug, Default)]
 pub struct Again {
     /// The pixels, in the order they were asked for.
     pub pixels: Vec<PixelMean>,
-    /// Rays that they took.
+    /// Number of rays traced.
     pub rays: u64,
 }
 
@@ -133,10 +133,10 @@ impl Shortfall {
     }
 }
 
-/// Turns weight into visible light.
+/// Conversion of weight to visible light.
 #[derive(Clone, Copy)]
 struct Light {
-    /// The most that a ray of weight 1 brings.
+    /// Upper bound on the radiance of a ray of weight 1.
     ceiling: DVec3,
     exposure: f64,
 }
@@ -154,7 +154,7 @@ impl Light {
     }
 }
 
-/// The search for what a picture lacks, and for limits that mend it.
+/// Search for missing light, and for limits that cure it.
 struct Search<'a> {
     /// A copy whose settings change.
     scene: Scene,
@@ -277,21 +277,22 @@ impl Search<'_> {
         Ok(Some(best))
     }
 
-    /// The light that a pixel lacks: what it gains under wider limits, and what it may still lack there.
+    /// Returns the light that a pixel lacks: its gain under wider limits, plus the light it may still lack there.
     fn lacks(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         self.gained(narrow, wide) + self.rest(narrow, wide)
     }
 
-    /// The light that a pixel gains under wider limits.
+    /// Returns the light that a pixel gains under wider limits.
     fn gained(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         let gained = widened(wide.radiance) - widened(narrow.radiance);
         self.light.seen(gained, widened(wide.radiance))
     }
 
-    /// The light that a pixel may still lack under wider limits: that of the weight which still ends there, if it sees as much
-    /// light as the weight that these limits have freed, and no more than that weight saw in all; at most the bound. Weight of
-    /// which they free nothing is caught by total reflection for good, and sees none. But where most of the pixel's weight
-    /// ends, too little of it has been seen to say so, and the bound counts.
+    /// Returns the light that a pixel may still lack under wider limits.
+    ///
+    /// The weight that still ends there is taken to see as much light as the weight that these limits freed, at most the
+    /// bound. If they freed no weight, it is trapped by total reflection and sees none. If most of the pixel's weight ends,
+    /// too little has been observed for this estimate, and the bound is returned.
     fn rest(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum() / 3.0;
         let (ended, freed) = (weight(wide), weight(narrow) - weight(wide));

@@ -16,7 +16,7 @@ use crate::accel::Shafts;
 use crate::geometry::{Content, Shaft, ShaftEnd};
 use crate::math::{Real, Vector3};
 use crate::scene::{Falloff, LampSampling, Light, LightKind, Scene, Spread};
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{F32x8, Vec3x8, set_lanes};
 
 /// Number of samples up to which shadow rays cost less than testing a shaft.
 const TOO_FEW: u32 = 4;
@@ -193,7 +193,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
     /// Returns the lanes that the whole lamp lights unoccluded, and the lanes that need a shadow ray per sample.
     fn sorted(&self, shading: &Shading, light: &Light, shafts: &Shafts) -> (u8, u8) {
         let (mut clear, mut traced) = (0, 0);
-        for lane in super::accumulate::set_lanes(self.surface.base_lanes) {
+        for lane in set_lanes(self.surface.base_lanes) {
             // Where surfaces touch, only rays can cross the layers.
             let layered = self.surface.returning[lane] != 0;
             let content = match self.view(light, lane) {

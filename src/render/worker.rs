@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::accumulate::set_lanes;
 use super::camera::{Lens, sample_offset};
 use super::ceiling::Ceiling;
 use super::class::{BINS, bin_of};
@@ -23,7 +22,7 @@ use crate::accel::{Coherence, Intersector};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray8};
 use crate::scene::{Bodies, Scene};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 use crate::{Error, Result};
 
 /// Largest number of consecutive surfaces that a ray may pass.

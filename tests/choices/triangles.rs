@@ -1,8 +1,10 @@
 //! Triangle tests and reciprocals on whole pictures: one walk, which finds what the native path finds.
 
 use glam::Vec3;
-use vitrum::accel::native::{Native, TriangleModel, Walk};
+use vitrum::accel::native::Native;
+use vitrum::accel::walk::Walk;
 use vitrum::accel::{BuildQuality, Unbounded};
+use vitrum::geometry::triangle_test::TriangleModel;
 use vitrum::geometry::{Geometry, GeometryMask, Ray, Shape};
 use vitrum::render::{Observer, Options, render};
 use vitrum::scene::{Rgb, Scene};

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::SmallPicture;
-use super::choices::quality;
 use crate::accel::BuildQuality;
 use crate::cli::args::ParityArgs;
 use crate::trial::shown::Ray;
@@ -33,7 +32,7 @@ impl From<ParityArgs> for Parity {
             rays: args.rays as usize,
             ray: args.ray,
             picture: SmallPicture { width: args.width, height: args.height },
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             threads: args.threads.unwrap_or(0) as usize,
             strict: args.strict.strict,
             json: args.json,

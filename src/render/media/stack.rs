@@ -2,7 +2,7 @@
 
 use crate::scene::{Bodies, Medium, Rgb};
 
-/// Index of an interned stack within one [`MediaTable`].
+/// Index of an interned stack within one [`MediaTable`](super::MediaTable).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct StackId(pub(super) u32);
 
