@@ -9,6 +9,8 @@
 //! This is a last resort. Each stage asks for its memory before it starts (`vitrum::system::memory::need`), which fails with
 //! an ordinary error. The library has no such allocator: programs that use it choose their own.
 
+#![allow(unsafe_code, reason = "an allocator is an unsafe trait")]
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicBool, Ordering};
 

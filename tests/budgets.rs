@@ -149,8 +149,8 @@ impl<'a> Judge<'a> {
         (sum / f64::from(n * n), levels)
     }
 
-    /// Returns true if a pixel is off by more than `bound`, and its right value moves by no more when its rays move at random
-    /// by up to 8 ulps of `f32` for each level of its paths.
+    /// Returns true if a pixel is off by more than `bound` and well-conditioned. Well-conditioned means that its right
+    /// value changes by at most `bound` when its rays move at random by up to 8 ulps of `f32` per level of its paths.
     fn violates(&self, made: &Made, at: [u32; 2], bound: f64, rng: &mut Rng) -> bool {
         let (here, levels) = self.pixel(at, [DVec3::ZERO; 3]);
         let shown = made.pixels[at[1] as usize * made.size[0] + at[0] as usize];

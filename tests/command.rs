@@ -13,3 +13,4 @@ mod pixel;
 mod price;
 mod startup;
 mod verify;
+mod without_embree;

@@ -1,6 +1,6 @@
-//! What goes wrong around the program: a disk that is full or goes away, a reader that leaves, Ctrl-C at any moment, a file
-//! that changes while it is read, no memory. Each time one line that says so, the exit code of its kind, and no file that is
-//! not whole. (`tests/cli.rs` has the plain cases of IO-16 and IO-17.)
+//! Faults around the program: a disk that is full or vanishes, a reader that leaves, Ctrl-C at any moment, a file that
+//! changes while it is read, no memory. Each gives one line that names it and the exit code of its kind, and leaves no
+//! incomplete file. (`tests/cli.rs` has the plain cases of IO-16 and IO-17.)
 
 #![cfg(target_os = "linux")]
 
@@ -8,13 +8,15 @@ use std::fmt::Write as _;
 use std::fs;
 use std::io::Read as _;
 use std::os::unix::process::ExitStatusExt as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tempfile::TempDir;
 use vitrum::load::{self, LoadOptions};
+
+use crate::support::program::{names, program};
 
 /// A ball of glass under a sky; `size` is the picture's.
 fn scene(width: u32, height: u32) -> String {
@@ -32,22 +34,11 @@ fn place(width: u32, height: u32) -> TempDir {
     folder
 }
 
-fn program() -> PathBuf {
-    assert_cmd::cargo::cargo_bin("vitrum")
-}
-
 fn vitrum(folder: &Path, line: &str) -> Command {
     let mut command = Command::new(program());
     command.args(line.split_whitespace()).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
 }
 
 /// The program ended with `code` and one line that says `what`.
@@ -322,5 +313,28 @@ fn a_picture_for_which_there_is_no_memory_is_refused_and_nothing_is_written() {
             refused(&output, 4, &format!("{edge} by {edge}"));
             assert_eq!(names(folder.path()), ["scene.toml"]);
         }
+    }
+}
+
+#[test]
+fn a_study_names_what_is_in_the_way_of_its_folder_and_goes_on_from_a_damaged_journal() {
+    let folder = place(64, 48);
+    std::os::unix::fs::symlink("nowhere", folder.path().join("link")).unwrap();
+    let study = |to: &str| {
+        let line = format!("price scene.toml -q -o {to} --axes fresnel --limit 1s --size 8x8");
+        vitrum(folder.path(), &line).output().unwrap()
+    };
+    refused(&study("link"), 3, "link is a link to a folder that does not exist");
+    assert!(study("out").status.success());
+    let journal = folder.path().join("out/study/journal.jsonl");
+    let whole = fs::read(&journal).unwrap();
+    for damaged in [&whole[..whole.len() - 20], b"\xff\xfe no journal", b""] {
+        fs::write(&journal, damaged).unwrap();
+        let output = study("out");
+        assert!(output.status.success(), "{output:?}");
+        // What is appended stands on a line of its own.
+        let text = fs::read(&journal).unwrap();
+        let added = String::from_utf8_lossy(&text[damaged.len()..]).trim_start().to_owned();
+        assert!(added.starts_with('{') && (damaged.is_empty() || text[damaged.len()] == b'\n'), "{added}");
     }
 }

@@ -10,8 +10,7 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::image::Film;
 use vitrum::load;
 use vitrum::optics::{Bands, FresnelModel};
@@ -101,8 +100,7 @@ fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, pre
     );
 }
 
-/// What white light shows of pictures that were each made with the index of one wavelength: their sum, each times its
-/// wavelength's colour.
+/// Sums pictures made with the index of one wavelength each, weighted by the colours of the wavelengths.
 fn in_white_light(name: &str) -> Picture {
     let bands = Bands::new(8, 0.5);
     let mut white: Option<Picture> = None;
@@ -135,7 +133,7 @@ fn agrees_with(expected: &Picture, name: &str, fresnel: FresnelModel) {
     let film = reference::render(&scene, &options, &observer).expect("renders").film;
     hold_against("reference", name, &film, expected, &prepared);
 
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
     let outcome = render::render(&scene, &accel, &options, &observer).expect("renders");
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{name}");
     hold_against("native", name, &outcome.film, expected, &prepared);

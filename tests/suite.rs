@@ -17,6 +17,7 @@ mod formulas;
 mod hard;
 mod hard_scenes;
 mod input;
+mod library;
 mod notices;
 mod optics;
 mod povray;

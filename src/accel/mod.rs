@@ -5,16 +5,21 @@
 
 use std::time::Duration;
 
-use crate::geometry::{Geometry, Hit8, Ray8, Shape};
+use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, Shape};
 use crate::simd::Mask8;
 
-#[cfg(feature = "embree")]
+mod backend;
+mod dispatch;
+#[cfg_attr(not(feature = "embree"), path = "embree/absent.rs")]
 pub mod embree;
 pub mod native;
 pub mod reference;
 mod shafts;
 mod unbounded;
+pub mod walk;
 
+pub use backend::Backend;
+pub use dispatch::{Accel, BuildOptions};
 pub use shafts::Shafts;
 pub use unbounded::Unbounded;
 
@@ -27,31 +32,19 @@ pub enum Coherence {
     Incoherent,
 }
 
-/// How much work a build puts into the hierarchy. What is hit is the same to the bit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum BuildQuality {
-    /// In the order of a Morton curve: the quickest build, for previews.
-    Fast,
-    /// By the surface area heuristic over bins.
-    #[default]
-    Default,
-    /// The same, and then improved by moving subtrees to where they fit better: several times as long to build, for
-    /// long renders of scenes in which large and small triangles mix.
-    High,
-}
-
-impl BuildQuality {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::High];
-
-    /// The name on the command line and in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast",
-            Self::Default => "default",
-            Self::High => "high",
-        }
+crate::choice! {
+    /// Work that goes into building the hierarchy; the picture is the same.
+    ///
+    /// Embree's qualities LOW, MEDIUM and HIGH stand for these levels if Embree builds.
+    pub enum BuildQuality("bvh", derive(Eq, Hash), default(Default)) {
+        /// Order of a Morton curve: the quickest build, for previews.
+        "fast" => Fast,
+        /// Surface area heuristic over bins.
+        "default" => Default,
+        /// The default, then improved by reinsertion: builds several times as long, for long renders.
+        ///
+        /// Gains most in scenes in which large and small triangles mix.
+        "high" => High,
     }
 }
 
@@ -111,6 +104,21 @@ pub trait Intersector: Sync {
     /// # Panics
     /// Where the two slices differ in length.
     fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Self::Scratch);
+
+    /// Returns the nearest hit of each ray, or a miss, in the order of the rays.
+    ///
+    /// It packs rays and allocates; [`Intersector::closest`] does neither.
+    fn hits(&self, rays: &[Ray]) -> Vec<Hit> {
+        let mut scratch = Self::Scratch::default();
+        let mut all = Vec::with_capacity(rays.len());
+        for alike in rays.chunk_by(|a, b| a.admits == b.admits) {
+            let packets = Ray8::pack(alike);
+            let mut hits = vec![Hit8::default(); packets.len()];
+            self.closest(&packets, &mut hits, Coherence::Incoherent, &mut scratch);
+            all.extend((0..alike.len()).map(|i| hits[i / 8].lane(i % 8)));
+        }
+        all
+    }
 
     /// What was built.
     fn build_stats(&self) -> BuildStats;

@@ -44,7 +44,10 @@ pub(super) fn listen(observer: &Arc<Observer>) -> Result<()> {
             leave();
         }
     };
-    ctrlc::set_handler(on_signal).map_err(|e| Error::Limit(format!("cannot listen for Ctrl-C: {e}")))
+    // Its own thread; the library does not say why it failed to start one.
+    threads::need(1)?;
+    ctrlc::set_handler(on_signal)
+        .map_err(|e| Error::Limit(format!("cannot listen for Ctrl-C: {e}; raise the limit on processes (`ulimit -u`)")))
 }
 
 /// Has a write beyond the limit on file sizes (`ulimit -f`) fail, where the system's signal for it (SIGXFSZ) would end the

@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use super::options::Price;
 use super::{Verdict, backend, interrupt, output, progress};
+use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::load::{self, LoadOptions};
 use crate::render::{self, Observer};
 use crate::study::html::{self, Pair, References};
 use crate::study::variant::quoted;
 use crate::study::{self, Report, Subject, Variant, Watch};
-use crate::trial::{Machine, machine};
+use crate::system::files;
+use crate::trial::Machine;
 use crate::{Error, Result};
 
 /// Loads, studies, writes and reports.
@@ -32,7 +34,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
         runs: job.runs,
         combine: job.combine,
         command: command(),
-        machine: Machine::this(machine::embree().ok()),
+        machine: Machine::this(embree::installed().ok()),
     };
     let report = progress::session(job.limit, !job.quiet, |say| {
         interrupt::heeded(|| {
@@ -100,7 +102,7 @@ fn kept(folder: &Path, name: &str) -> Result<Film> {
 /// A PNG and an EXR of each variant.
 fn pictures(folder: &Path, report: &Report) -> Result<()> {
     let to = folder.join("pictures");
-    std::fs::create_dir_all(&to).map_err(|e| Error::io(&to, "create", e))?;
+    files::create_folder(&to)?;
     let references = [("reference", &report.own), ("reference 16x16", &report.fine)];
     let references =
         references.into_iter().filter_map(|(name, made)| made.as_ref().map(|m| (name, &m.film, &m.variant)));

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::backend::{Backend, Traced};
+use super::backend::{Renderer, Traced};
 use super::budget::Spent;
-use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
 use super::systems::Systems;
 use super::table::{bytes, counted, grouped, rays};
@@ -193,8 +192,8 @@ impl Truncated {
     }
 }
 
-fn walked(backend: Backend, traced: &Traced) -> Option<Walked> {
-    let (Backend::Walk(triangles, reciprocal), Some(lanes)) = (backend, traced.lanes) else { return None };
+fn walked(backend: Renderer, traced: &Traced) -> Option<Walked> {
+    let (Renderer::Walk(triangles, reciprocal), Some(lanes)) = (backend, traced.lanes) else { return None };
     let (triangles, reciprocal) = (triangles.name(), reciprocal.name());
     Some(Walked { triangles, reciprocal, tested: lanes.tested, settled: lanes.settled })
 }
@@ -223,10 +222,10 @@ impl<'a> Summary<'a> {
                 cutoff: if job.options.cutoff_error.is_some() { 0.0 } else { settings.cutoff },
                 cutoff_error: job.options.cutoff_error,
                 wavelengths: settings.wavelengths,
-                fresnel: fresnel_name(job.options.fresnel),
-                refraction: refraction_name(&job.options),
-                reflection: reflection_name(job.options.reflection),
-                shadows: shadows_name(settings.shadows),
+                fresnel: job.options.fresnel.name(),
+                refraction: job.options.refraction.to_string(),
+                reflection: job.options.reflection.name(),
+                shadows: settings.shadows.name(),
                 exposure: job.exposure.ev,
             },
             backend: job.backend.name(),

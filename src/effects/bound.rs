@@ -1,17 +1,18 @@
-//! The ray budget: how many rays a pixel can take at most, before any is traced.
+//! Upper bound on the number of rays per pixel, computed before any ray is traced.
 //!
-//! The rays of a camera ray are a tree. What bounds its size, level by level and in all:
+//! A camera ray and its descendants form a ray tree. These facts bound its size, level by level and in total:
 //!
-//! - A surface sends at most two rays (one each way, total reflection being one of them), or one, or none.
-//! - Shares add up to at most 1 in each channel, and no ray goes on that weighs less than the cut-off in all of them. So at
-//!   any level at most 1 / cut-off rays go on, where nothing is coloured, else three times as many; and as many, over all
-//!   levels together, end at a surface that sends nothing.
-//! - Where a single object sends light on and is convex, what leaves it never comes back: a level has no more rays than
+//! - A surface sends at most two secondary rays: one reflected, one transmitted. Under total reflection, and on other
+//!   kinds of surface, it sends one or none.
+//! - Shares add up to at most 1 in each channel, and a ray ends when its weight is below the cut-off in all of them. So
+//!   at most 1 / cut-off rays continue at any level, or three times as many where something is coloured. Over all
+//!   levels together, no more than that end at surfaces that send nothing.
+//! - If a single object sends rays and is convex, rays that leave it never return. A level then has no more rays than
 //!   one surface sends.
-//! - Where each surface that sends light on is a mirror or has holes, weights fall by the largest share at least, and the
-//!   cut-off ends the chain.
-//! - White light divides once on its way, and each wavelength then goes no further than it would. Magnitudes of weights
-//!   may grow where it divides, since wavelengths have channels below 0.
+//! - If every surface that sends rays is a mirror or has holes, weights fall at least by the largest share per level,
+//!   and the cut-off ends the chain.
+//! - White light divides at most once along a path, and each wavelength then goes no further than the white ray would.
+//!   The magnitudes of weights may grow at the division, since wavelengths have channels below 0.
 
 use super::Reach;
 use super::shell::Shell;
@@ -19,31 +20,32 @@ use crate::geometry::Shape;
 use crate::optics::Spectrum;
 use crate::scene::{Colour, FresnelRule, Interface, Light, Medium, MirrorSource, Rgb, Scene};
 
-/// Surfaces that are not there which a ray may pass in a row.
+/// Largest number of consecutive surfaces that a ray may pass.
 const MOST_PASSES: usize = 256;
 
-/// What rounding in `f32` may add to sums of weights, in proportion; far more than it does.
+/// Relative margin for rounding sums of weights in `f32`; far larger than the error.
 const ROUNDED_UP: f64 = 1.01;
 
-/// An upper bound on the rays of one camera ray, and of a pixel, under the weight cut-off of the scene.
+/// Upper bound on the rays of one camera ray, and of a pixel, under the weight cut-off of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RayBound {
     /// Levels of secondary rays that can follow a camera ray.
     pub depth: u32,
-    /// Why no more.
+    /// Reason for that number of levels.
     pub because: String,
-    /// Secondary rays that one surface can send.
+    /// Number of secondary rays that one surface can send.
     pub fan: u32,
-    /// Shadow rays that one surface can send.
+    /// Number of shadow rays that one surface can send.
     pub shadows: u32,
-    /// Rays of all kinds a camera ray can lead to, itself included.
+    /// Number of rays of all kinds in the tree of one camera ray, including itself.
     pub per_sample: f64,
-    /// The same a pixel.
+    /// Number of rays of all kinds per pixel.
     pub per_pixel: f64,
 }
 
 impl RayBound {
-    /// The bound for a scene of which `reach` can be reached; `passing` where surfaces may lie inside other media.
+    /// Computes the bound for a scene of which `reach` can be reached. `passing` says that surfaces may lie inside
+    /// other media.
     #[must_use]
     pub fn of(scene: &Scene, reach: &Reach, passing: bool) -> Self {
         let met = || (0..scene.objects.len()).filter(|&o| !reach.unmet[o]);
@@ -59,7 +61,7 @@ impl RayBound {
         }
 
         let shadows = shadow_rays(scene, reach, met());
-        // A ray is shaded where it ends, unless what sends rays answers light, too.
+        // Rays are shaded only where they end, unless a surface that sends rays also reflects lamp light.
         let both = sending.iter().any(|&o| answers_light(scene, o));
         let shaded = if both { rays } else { ends.min(rays) };
         let per_sample = rays + shaded * f64::from(shadows);
@@ -69,22 +71,22 @@ impl RayBound {
     }
 }
 
-/// How wide a tree may be.
+/// Limits on the width of a ray tree.
 struct Levels {
     depth: u32,
     fan: f64,
-    /// Whether a level has no more rays than one surface sends.
+    /// True if a level has no more rays than one surface sends.
     lone: bool,
 }
 
 impl Levels {
-    /// Rays of all levels, and those of them that may end at a surface which sends nothing.
+    /// Returns the number of rays of all levels, and how many of them may end at a surface that sends nothing.
     fn count(&self, weight: &Weights) -> (f64, f64) {
         let (mut level, mut rays) = (1.0_f64, 1.0);
         let (mut white, mut divided, mut most_ends) = (1.0_f64, 0.0_f64, weight.rays(1.0));
         for _ in 0..self.depth {
             level = if self.lone { self.fan } else { level * self.fan };
-            // Sums of magnitudes: what divides of white light, and what stays white.
+            // Sums of magnitudes: of the wavelengths that white light divides into, and of light that stays white.
             divided += white * weight.divided;
             white *= weight.kept;
             let heavy = weight.rays(white + divided);
@@ -92,7 +94,7 @@ impl Levels {
             level = level.min(heavy);
             rays += (level * weight.bands).min(heavy);
         }
-        // Of the nodes of a tree in which each has two children at most, half and one are leaves.
+        // In a tree whose nodes have at most two children, half of the nodes plus one half are leaves.
         let ends = if self.fan <= 1.0 {
             1.0
         } else if weight.bands > 1.0 {
@@ -100,23 +102,23 @@ impl Levels {
         } else {
             0.5 * (rays + 1.0)
         };
-        // Ends share the light of the camera ray; what divides has more of it at every level.
+        // Ends share the weight of the camera ray; light that divides gains weight at every level.
         (rays, if weight.bands > 1.0 { ends } else { ends.min(most_ends) })
     }
 }
 
-/// What rays may weigh.
+/// Limits on the weights of rays.
 struct Weights {
     cutoff: f64,
-    /// Channels that may each make a ray heavy enough, where one that does may leave the others with nothing.
+    /// Number of channels that can keep a ray above the cut-off while the others carry nothing.
     channels: f64,
-    /// Whether no surface sends on more than it gets.
+    /// True if no surface sends more light than it receives.
     conserved: bool,
-    /// Wavelengths that white light divides into; 1 where it does not.
+    /// Number of wavelengths that white light divides into; 1 if it never divides.
     bands: f64,
-    /// The sum of the magnitudes of their weights, over that of white; 0 where it does not divide.
+    /// Sum of the magnitudes of the wavelengths' weights, relative to white; 0 if white light never divides.
     divided: f64,
-    /// The most that can stay white where it divides.
+    /// Largest share that can stay white where light divides.
     kept: f64,
 }
 
@@ -147,7 +149,7 @@ impl Weights {
         weights
     }
 
-    /// How many rays can go on that weigh so much together, in the channel that has most.
+    /// Returns how many rays can continue whose weights sum to `together` in the channel with the largest sum.
     fn rays(&self, together: f64) -> f64 {
         if self.conserved && self.cutoff > 0.0 {
             (ROUNDED_UP * self.channels * together / self.cutoff).max(1.0)
@@ -166,20 +168,20 @@ fn answers_light(scene: &Scene, object: usize) -> bool {
     material.diffuse != Colour::Constant(Rgb::ZERO) || material.highlight.is_some()
 }
 
-/// Shadow rays of one surface, at most.
+/// Returns the largest number of shadow rays of one surface.
 fn shadow_rays(scene: &Scene, reach: &Reach, mut met: impl Iterator<Item = usize>) -> u32 {
     if !met.any(|o| answers_light(scene, o)) {
         return 0;
     }
     let casting =
         scene.lights.iter().zip(&reach.dark).filter(|(l, dark)| l.shadows && l.intensity != Rgb::ZERO && !**dark);
-    // Of a lamp with an extent, its points and the corners that are asked besides.
+    // An area lamp has its sample points, and four corners for the shaft.
     let points = |l: &Light| if l.kind.is_extended() { scene.settings.lamps.count + 4 } else { 1 };
     casting.map(|(l, _)| points(l)).sum()
 }
 
-/// Surfaces that are not there which a ray may pass in a row: a straight line meets a sphere twice at most, a plane and
-/// each triangle once.
+/// Returns the largest number of consecutive surfaces that a ray may pass. A straight line crosses a sphere at most
+/// twice, and a plane and each triangle once.
 fn passes(scene: &Scene, met: impl Iterator<Item = usize>) -> usize {
     met.filter(|&o| matches!(interface(scene, o), Interface::Dielectric { .. }))
         .map(|o| match &scene.geometry[o].shape {
@@ -191,7 +193,7 @@ fn passes(scene: &Scene, met: impl Iterator<Item = usize>) -> usize {
         .min(MOST_PASSES)
 }
 
-/// Secondary rays of one hit, at most.
+/// Returns the largest number of secondary rays of one hit.
 fn fan(interface: &Interface) -> u32 {
     match interface {
         Interface::Opaque | Interface::Mirror { source: MirrorSource::Environment, .. } => 0,
@@ -202,7 +204,7 @@ fn fan(interface: &Interface) -> u32 {
     }
 }
 
-/// The deepest chain of rays.
+/// Deepest chain of rays.
 struct Chain {
     depth: u32,
     because: String,
@@ -235,7 +237,7 @@ impl Chain {
         }
     }
 
-    /// One convex object alone. What leaves it outwards does not meet it again.
+    /// Returns the chain of a single convex object. Rays that leave it outwards do not hit it again.
     fn of_convex(scene: &Scene, only: usize) -> Self {
         let (limit, name) = (scene.settings.max_depth, &scene.objects[only].name);
         let (shape, interface) = (&scene.geometry[only].shape, interface(scene, only));
@@ -266,7 +268,7 @@ impl Chain {
     }
 }
 
-/// Whether a shape bounds a convex body or a half space. Of meshes, only those whose faces are seen as they are.
+/// Returns true if a shape bounds a convex body or a half space. Meshes with interpolated normals do not count.
 fn is_convex(shape: &Shape) -> bool {
     match shape {
         Shape::Mesh(mesh) => mesh.normal_indices.is_empty() && Shell::of(shape).is_some(),
@@ -274,7 +276,7 @@ fn is_convex(shape: &Shape) -> bool {
     }
 }
 
-/// Whether all camera rays start outside a closed shape.
+/// Returns true if all camera rays start outside a closed shape.
 fn seen_from_outside(scene: &Scene, shape: &Shape) -> bool {
     Shell::of(shape).is_some_and(|shell| super::reach::is_seen_from_outside(scene, &shell))
 }
@@ -287,8 +289,8 @@ fn kind(shape: &Shape) -> &'static str {
     }
 }
 
-/// Where each surface sends one ray at most, of a share below 1 whatever the angle: the level at which the cut-off has
-/// ended it, and the largest share.
+/// Returns the level at which the cut-off has ended the chain, and the largest share. Requires that each surface sends
+/// at most one ray, with a share below 1 at any angle; otherwise returns `None`.
 fn weakest(scene: &Scene, sending: &[usize]) -> Option<(u32, f32)> {
     let share = |&o: &usize| match interface(scene, o) {
         Interface::Mirror { reflectance, .. } => reflectance.abs().max_element(),
@@ -310,7 +312,7 @@ fn weakest(scene: &Scene, sending: &[usize]) -> Option<(u32, f32)> {
     None
 }
 
-/// Whether an interface treats all channels alike.
+/// Returns true if an interface treats all channels alike.
 fn is_grey(interface: &Interface) -> bool {
     let grey = |c: Rgb| c.x == c.y && c.y == c.z;
     match interface {
@@ -323,7 +325,7 @@ fn is_grey(interface: &Interface) -> bool {
     }
 }
 
-/// Whether no surface sends more light on than it gets, in any channel.
+/// Returns true if no surface sends more light than it receives, in any channel.
 fn conserves(scene: &Scene, sending: &[usize]) -> bool {
     let within = |c: Rgb| c.cmpge(Rgb::ZERO).all() && c.cmple(Rgb::ONE).all();
     let share = |rule: &FresnelRule| match rule {

@@ -1,7 +1,7 @@
-//! What a scene calls for, and why: the effects that a render simulates, decided before its first ray.
+//! Effects that a scene needs, with reasons, decided before the first ray.
 //!
-//! [`EffectPlan::resolve`] looks at a whole scene and says of each [`Effect`] whether it is simulated and because of
-//! what. The render picks its stages by the plan. [`without`] takes effects out of a scene.
+//! [`EffectPlan::resolve`] examines a whole scene and decides for each [`Effect`] whether it is simulated, and why. The
+//! render picks its stages by the plan. [`without`] takes effects out of a scene.
 
 mod bound;
 mod effect;

@@ -1,57 +1,57 @@
-//! Which effects are simulated, and why.
+//! Decisions on which effects are simulated, with reasons.
 
 use super::reason::Facts;
 use super::{Effect, EffectSet, RayBound, Reach, without};
 use crate::geometry::contact::Pair;
 use crate::scene::Scene;
 
-/// What a render is asked for in the way of effects.
+/// Choice of effects for a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// How stages are picked.
+    /// Selection of the stages.
     pub pipeline: Pipeline,
-    /// Effects that are left out although the scene calls for them.
+    /// Effects left out although the scene has them.
     pub without: EffectSet,
 }
 
-/// How stages are picked. The picture is the same to the bit.
+/// Selection of the stages. The picture is the same to the bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pipeline {
-    /// What the scene does not call for is not in the code that renders it.
+    /// Picks stages that contain only code the scene needs.
     #[default]
     Auto,
-    /// Every stage is there and knows everything; what happens is selected by the scene's data.
+    /// Picks stages that contain code for everything and select by the scene's data.
     All,
 }
 
-/// One effect, decided.
+/// Decision on one effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Decision {
-    /// What.
+    /// Effect decided on.
     pub effect: Effect,
-    /// Whether it is simulated.
+    /// True if the effect is simulated.
     pub on: bool,
-    /// Because of which object, material, light or medium.
+    /// Object, material, light or medium that decided it, in words.
     pub because: String,
 }
 
-/// What a scene calls for.
+/// Effects of a scene and the facts behind them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectPlan {
-    /// One for each of [`Effect::ALL`], in that order.
+    /// Decisions, one for each of [`Effect::ALL`] in that order.
     pub decisions: Vec<Decision>,
-    /// What rays and lights can reach.
+    /// Objects and lights that rays can reach.
     pub reach: Reach,
-    /// Pairs of objects that touch, where that changes the picture.
+    /// Pairs of touching objects, as far as contact changes the picture.
     pub touching: Vec<Pair>,
-    /// How many media a ray can be in at once, in words.
+    /// Number of media that a ray can be in at once, in words.
     pub stack: String,
-    /// How many rays a pixel takes at most.
+    /// Upper bound on the number of rays.
     pub rays: RayBound,
 }
 
 impl EffectPlan {
-    /// Looks at the whole scene before the first ray.
+    /// Examines the whole scene before the first ray.
     #[must_use]
     pub fn resolve(scene: &Scene, options: &Options) -> Self {
         let scene = without(scene, options.without);
@@ -74,13 +74,13 @@ impl EffectPlan {
         Self { decisions, stack, rays, reach, touching }
     }
 
-    /// The effects that are simulated.
+    /// Returns the effects that are simulated.
     #[must_use]
     pub fn on(&self) -> EffectSet {
         self.decisions.iter().filter(|d| d.on).map(|d| d.effect).collect()
     }
 
-    /// What was decided of an effect.
+    /// Returns the decision on an effect.
     #[must_use]
     pub fn of(&self, effect: Effect) -> &Decision {
         &self.decisions[effect as usize]

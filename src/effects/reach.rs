@@ -1,22 +1,26 @@
-//! Which objects a ray can meet, and which lights can reach any of them, as far as geometry proves it.
+//! Objects that rays can hit, and lights that can reach any of them, as far as geometry proves it.
 //!
-//! Rays start at the eye and on the surfaces they meet. A surface that lets nothing through and is not crossed or
-//! touched by anything keeps them on their side: a plane, a sphere, a closed convex mesh seen from outside. (Where
-//! surfaces meet in a crease, rounding can put the start of a ray beyond one of them; so a mesh that is seen from inside,
-//! or is not convex, or has anything within a margin of it, proves nothing.)
+//! Rays start at the eye and on the surfaces they hit. An opaque surface that nothing crosses or touches keeps them on
+//! one side. This holds for a plane, a sphere, and a closed convex mesh seen from outside. Where surfaces meet in a
+//! crease, rounding can put a ray origin beyond one of them. So a mesh proves nothing if it is seen from inside, is not
+//! convex, or has anything within a margin.
 //!
-//! What a closed surface hides is hidden in `f32` as well: everything else keeps a margin from it that is a thousand
-//! times what rounding moves a point by, in a scene that holds no plane and so ends somewhere. The render leaves that
-//! out of its stages.
+//! The proof for a closed surface also holds in `f32`. All other geometry keeps a margin from the surface, a thousand
+//! times the rounding error of a point, in a scene without planes, which is bounded. The render leaves objects that
+//! such a surface hides out of its stages.
 //!
-//! On a plane, rays start as far away as one likes, where rounding outgrows any margin. Yet of what one plane hides, in a
-//! scene that holds no other, rays to lights alone can come near, because all else lies within a ball around the origin
-//! of √3 times the largest coordinate `s`. A ray that starts on the plane within `10 s` of the origin is as well placed
-//! as the others, but for a factor of ten of the thousand. One that starts farther off was reflected there. It came from
-//! the ball, or from the plane nearer to the origin, so that it went outwards, and reflection by an angle that is as
-//! small as that sends it outwards again (by a cosine of at least 0.5, where it came from the ball): it only gets farther
-//! from the ball. A ray to a light may come back from there. So the stages of surfaces and media leave out what a plane
-//! hides, and those of shadow rays do not.
+//! On a plane, rays can start arbitrarily far away, where rounding exceeds any margin. Consider the objects that one
+//! plane hides, in a scene with no other plane. Only shadow rays can come near them, for the following reason. All
+//! other geometry lies within a ball around the origin of radius √3 times the largest coordinate `s`.
+//! - A ray that starts on the plane within `10 s` of the origin has the margin of other rays, except for a factor of
+//!   ten of the thousand.
+//! - A ray that starts farther away was reflected there. It came from the ball, or from a point of the plane nearer to
+//!   the origin, so it went outwards. Reflection at so small an angle sends it outwards again (with a cosine of at
+//!   least 0.5 if it came from the ball). So it only gets farther from the ball.
+//! - A shadow ray may come back from there.
+//!
+//! So the stages for surfaces and media leave out the objects that a plane hides, and the stages for shadow rays do
+//! not.
 
 use glam::Vec3;
 
@@ -24,26 +28,26 @@ use super::shell::{Shell, Side};
 use crate::geometry::{Aabb, Shape};
 use crate::scene::{Interface, LightKind, Projection, Scene};
 
-/// Objects of a scene beyond which nothing is looked for: as many shells are tried.
+/// Number of objects above which nothing is proven; each object is tried as a shell.
 const MOST_OBJECTS: usize = 512;
 
-/// What can be reached.
+/// Objects and lights that rays can reach.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reach {
-    /// By object: the object behind which, or within which, it is hidden; none where a ray may meet it.
+    /// By object: the object that hides it; `None` if a ray may hit it.
     pub hidden: Vec<Option<usize>>,
-    /// By object: whether no ray meets it in `f32` either, whatever rounding does.
+    /// By object: true if no ray hits it in `f32` either, for any rounding.
     pub sealed: Vec<bool>,
-    /// By object: whether no ray but those to lights does.
+    /// By object: true if no ray other than shadow rays hits it.
     pub unmet: Vec<bool>,
-    /// By light: why it can light nothing that is seen; none where it may.
+    /// By light: the reason why it lights nothing that is seen; `None` if it may.
     pub useless: Vec<Option<String>>,
-    /// By light: whether its rays are all stopped in `f32`, too.
+    /// By light: true if all of its rays are blocked in `f32`, too.
     pub dark: Vec<bool>,
 }
 
 impl Reach {
-    /// Everything may be met.
+    /// Returns the result that proves nothing: every object may be hit.
     #[must_use]
     pub fn everything(scene: &Scene) -> Self {
         let (objects, lights) = (scene.objects.len(), scene.lights.len());
@@ -56,7 +60,7 @@ impl Reach {
         }
     }
 
-    /// What can be proven of a scene.
+    /// Computes what can be proven of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut reach = Self::everything(scene);
@@ -88,7 +92,7 @@ impl Reach {
         reach
     }
 
-    /// Whether a ray may meet an object.
+    /// Returns true if a ray may hit an object.
     #[must_use]
     pub fn meets(&self, object: usize) -> bool {
         self.hidden[object].is_none()
@@ -139,15 +143,15 @@ impl Reach {
             if beyond && light.shadows {
                 let what = if shell.is_plane() { "is behind" } else { "is parted from the view by" };
                 useless.get_or_insert_with(|| format!("`{}` {what} `{}`", light.name, scene.objects[wall].name));
-                // From a closed surface that is seen from outside, a light within it is below the horizon by the margin
-                // at least, and from anywhere else the surface is in between.
+                // A light inside a closed surface that is seen from outside is below the surface's horizon by at least
+                // the margin. From all other points the surface blocks it.
                 *dark |= !shell.is_plane() && seen == Side::Outside;
             }
         }
     }
 }
 
-/// A box around a light; none around one that is infinitely far.
+/// Returns a box around a light, or `None` for a directional one.
 fn extent_of(kind: &LightKind) -> Option<Aabb> {
     let (lo, hi) = match *kind {
         LightKind::Point { position } | LightKind::Spot { position, .. } => (position, position),
@@ -161,32 +165,32 @@ fn extent_of(kind: &LightKind) -> Option<Aabb> {
     Some(Aabb { lo, hi })
 }
 
-/// Whether a light from infinitely far in this direction of travel has the shell between it and all that is seen.
+/// Returns true if the shell blocks all light in this direction of travel from everything that is seen.
 fn comes_from_beyond(shell: &Shell, direction: Vec3, seen: Side) -> bool {
     match shell {
         Shell::Plane(plane) => {
             let along = direction.as_dvec3().dot(plane.normal.as_dvec3().normalize());
-            // Towards the front it comes from behind.
+            // Light that travels towards the front comes from behind.
             if seen == Side::Outside { along > 1e-3 } else { along < -1e-3 }
         }
-        // From infinity it meets a closed shell from outside.
+        // Light from infinity hits a closed shell from outside.
         _ => seen == Side::Inside,
     }
 }
 
-/// Whether camera rays all start outside a closed shell.
+/// Returns true if all camera rays start outside a closed shell.
 pub(super) fn is_seen_from_outside(scene: &Scene, shell: &Shell) -> bool {
     let Some(scale) = scale(scene, &boxes(scene)) else { return false };
     starts(scene).iter().all(|&p| shell.side_of_point(p, scale) == Side::Outside)
 }
 
-/// By object: a box around it.
+/// Returns a box around each object.
 fn boxes(scene: &Scene) -> Vec<Option<Aabb>> {
     scene.geometry.iter().map(|geometry| bounds_of(&geometry.shape)).collect()
 }
 
-/// None for a plane, which is on both sides of everything.
-fn bounds_of(shape: &Shape) -> Option<Aabb> {
+/// Returns a box around a shape, or `None` for a plane, which is on both sides of everything.
+pub(super) fn bounds_of(shape: &Shape) -> Option<Aabb> {
     match shape {
         Shape::Mesh(mesh) => Some(Aabb::of(&mesh.positions)),
         Shape::Sphere(sphere) => Some(sphere.bounds()),
@@ -194,8 +198,8 @@ fn bounds_of(shape: &Shape) -> Option<Aabb> {
     }
 }
 
-/// Whether a wall is worth looking at: a mesh, which hides only what is within it, where anything is in the box around
-/// it. To see whether it is closed and convex takes far longer.
+/// Returns true if a wall may hide anything. A mesh hides only what is inside it, so its bounding box must contain
+/// something. This avoids the slower test for a closed and convex mesh.
 fn may_hold_anything(scene: &Scene, wall: usize, boxes: &[Option<Aabb>]) -> bool {
     let (Shape::Mesh(_), Some(around)) = (&scene.geometry[wall].shape, &boxes[wall]) else { return true };
     let within = |inner: &Aabb| inner.lo.cmpge(around.lo).all() && inner.hi.cmple(around.hi).all();
@@ -203,7 +207,7 @@ fn may_hold_anything(scene: &Scene, wall: usize, boxes: &[Option<Aabb>]) -> bool
     holds_object || scene.lights.iter().filter_map(|light| extent_of(&light.kind)).any(|lamp| within(&lamp))
 }
 
-/// The largest coordinate of anything bounded; none where some are not finite.
+/// Returns the largest coordinate of any bounded shape, or `None` if some are not finite.
 fn scale(scene: &Scene, boxes: &[Option<Aabb>]) -> Option<f64> {
     let mut most = starts(scene).iter().fold(Vec3::ZERO, |most, p| most.max(p.abs()));
     for (geometry, bounds) in scene.geometry.iter().zip(boxes) {
@@ -220,7 +224,7 @@ fn scale(scene: &Scene, boxes: &[Option<Aabb>]) -> Option<f64> {
     most.is_finite().then(|| f64::from(most.max_element()))
 }
 
-/// Whether nothing gets through an object.
+/// Returns true if an object transmits no light.
 fn is_opaque(scene: &Scene, object: usize) -> bool {
     let interface = &scene.materials[scene.objects[object].material as usize].interface;
     matches!(
@@ -229,7 +233,7 @@ fn is_opaque(scene: &Scene, object: usize) -> bool {
     )
 }
 
-/// Places such that camera rays start within their convex hull.
+/// Returns points whose convex hull contains all origins of camera rays.
 fn starts(scene: &Scene) -> Vec<Vec3> {
     let camera = &scene.camera;
     match camera.projection {

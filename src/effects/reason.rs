@@ -1,15 +1,16 @@
-//! The reason for each effect: what in the scene calls for it.
+//! Reasons for each effect: the parts of the scene that need it.
 
+use super::reach::bounds_of;
 use super::shell::is_closed;
 use super::{Effect, Reach};
 use crate::geometry::contact::Pair;
 use crate::geometry::{Aabb, Shape};
 use crate::scene::{Colour, Environment, FresnelRule, Interface, Material, Rgb, Scene, ShadowRule};
 
-/// Triangles of a mesh up to which its edges are looked at.
+/// Number of triangles above which a mesh is not tested for open edges.
 const MOST_TRIANGLES: usize = 200_000;
 
-/// A scene and what of it can be reached.
+/// Scene, with the parts of it that rays can reach.
 pub(super) struct Facts<'a> {
     scene: &'a Scene,
     reach: &'a Reach,
@@ -18,7 +19,7 @@ pub(super) struct Facts<'a> {
     media: Vec<u32>,
 }
 
-/// On or off, and why.
+/// Decision and its reason.
 type Answer = (bool, String);
 
 impl<'a> Facts<'a> {
@@ -31,7 +32,7 @@ impl<'a> Facts<'a> {
         Self { scene, reach, touching, media }
     }
 
-    /// What is decided of an effect.
+    /// Decides on an effect.
     pub fn of(&self, effect: Effect) -> Answer {
         let scene = self.scene;
         match effect {
@@ -94,12 +95,12 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// How many media a ray can be in at once: more than one, and why.
+    /// Decides whether a ray can be in more than one medium at once.
     pub fn stack(&self) -> Answer {
         let scene = self.scene;
         let solids: Vec<(usize, Option<Aabb>)> = (0..scene.objects.len())
             .filter(|&o| self.reach.meets(o) && scene.medium_of(o).is_some())
-            .map(|o| (o, bounds(&scene.geometry[o].shape)))
+            .map(|o| (o, bounds_of(&scene.geometry[o].shape)))
             .collect();
         if solids.is_empty() {
             return off("depth 0 is enough, no solid is transparent");
@@ -122,7 +123,7 @@ impl<'a> Facts<'a> {
             for (b, box_b) in &solids[..i] {
                 let apart = match (box_a, box_b) {
                     (Some(p), Some(q)) => p.lo.cmpgt(q.hi).any() || q.lo.cmpgt(p.hi).any(),
-                    // A half space holds anything that is not proven to be off it.
+                    // A half space contains anything that is not proven to be outside.
                     _ => false,
                 };
                 if !apart {
@@ -131,7 +132,7 @@ impl<'a> Facts<'a> {
                 }
             }
         }
-        // Light that enters an open surface is still in its medium when it meets the next one.
+        // Light that enters an open surface is still in its medium when it hits the next one.
         let open = solids.iter().find(|&&(o, _)| !encloses(&scene.geometry[o].shape));
         if let (Some(&(o, _)), true) = (open, solids.len() > 1) {
             return (true, format!("`{}` may be open, so that light takes its medium along", scene.objects[o].name));
@@ -147,7 +148,7 @@ impl<'a> Facts<'a> {
         self.objects(|o| of(material(self.scene, o)), what, none)
     }
 
-    /// On where an object that rays can meet is such; off where none is, or all of them are hidden.
+    /// Decides on if rays can hit an object with the property; off if there is none, or all are hidden.
     fn objects(&self, of: impl Fn(usize) -> bool, what: &str, none: &str) -> Answer {
         let such: Vec<usize> = (0..self.scene.objects.len()).filter(|&o| of(o)).collect();
         let name = |o: usize| &self.scene.objects[o].name;
@@ -162,7 +163,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Such surfaces under lights.
+    /// Decides on if such surfaces exist and lights reach them.
     fn lit(&self, of: impl Fn(&Material) -> bool, what: &str) -> Answer {
         match self.useful_lights() {
             Err(why) => (false, why),
@@ -170,7 +171,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// Lights that reach anything, or why none does.
+    /// Returns the lights that reach anything, or the reason why none does.
     fn useful_lights(&self) -> Result<Vec<usize>, String> {
         let useful: Vec<usize> = (0..self.scene.lights.len()).filter(|&l| self.reach.useless[l].is_none()).collect();
         match (useful.is_empty(), self.reach.useless.iter().flatten().next()) {
@@ -287,7 +288,7 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// On where surfaces touch: the first pair, and the number of the others.
+    /// Decides on if surfaces touch; names the first pair and the number of others.
     fn touching(&self) -> Answer {
         let name = |o: u32| &self.scene.objects[o as usize].name;
         let Some((first, others)) = self.touching.split_first() else {
@@ -334,19 +335,10 @@ fn interface(scene: &Scene, object: usize) -> &Interface {
     &material(scene, object).interface
 }
 
-/// Whether a shape is known to enclose what is inside it.
+/// Returns true if a shape is known to be closed.
 fn encloses(shape: &Shape) -> bool {
     match shape {
         Shape::Mesh(mesh) => mesh.triangles.len() <= MOST_TRIANGLES && is_closed(mesh),
         Shape::Sphere(_) | Shape::Plane(_) => true,
-    }
-}
-
-/// None for a plane.
-fn bounds(shape: &Shape) -> Option<Aabb> {
-    match shape {
-        Shape::Mesh(mesh) => Some(Aabb::of(&mesh.positions)),
-        Shape::Sphere(sphere) => Some(sphere.bounds()),
-        Shape::Plane(_) => None,
     }
 }

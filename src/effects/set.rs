@@ -13,48 +13,48 @@ impl EffectSet {
     /// Every effect.
     #[must_use]
     pub fn all() -> Self {
-        Effect::ALL.iter().copied().collect()
+        Effect::ALL.into_iter().collect()
     }
 
-    /// Whether it holds an effect.
+    /// Returns true if the set holds an effect.
     #[must_use]
     pub fn has(self, effect: Effect) -> bool {
         self.0 >> effect as u32 & 1 != 0
     }
 
-    /// Whether it holds none.
+    /// Returns true if the set is empty.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// With an effect.
+    /// Returns the set with an effect added.
     #[must_use]
     pub fn with(self, effect: Effect) -> Self {
         Self(self.0 | 1 << effect as u32)
     }
 
-    /// All effects that are not in it.
+    /// Returns all effects that are not in the set.
     #[must_use]
     pub fn complement(self) -> Self {
         Self(Self::all().0 & !self.0)
     }
 
-    /// What either holds.
+    /// Returns the union of both sets.
     #[must_use]
     pub fn union(self, o: Self) -> Self {
         Self(self.0 | o.0)
     }
 
-    /// What both hold.
+    /// Returns the intersection of both sets.
     #[must_use]
     pub fn intersection(self, o: Self) -> Self {
         Self(self.0 & o.0)
     }
 
-    /// Its effects, in the order of [`Effect::ALL`].
+    /// Iterates over the effects in the order of [`Effect::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Effect> {
-        Effect::ALL.iter().copied().filter(move |&e| self.has(e))
+        Effect::ALL.into_iter().filter(move |&e| self.has(e))
     }
 }
 
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn every_effect_goes_by_its_name() {
-        for &effect in Effect::ALL {
+        for effect in Effect::ALL {
             assert_eq!(Effect::named(effect.name()), Some(effect));
         }
         assert_eq!(Effect::named("refracton"), None);

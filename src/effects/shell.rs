@@ -1,31 +1,31 @@
-//! Surfaces that nothing passes: what is proven to lie behind one.
+//! Opaque shells, and the side of a shell on which something lies.
 
 use glam::{DVec3, Vec3};
 
 use crate::geometry::topology::{Edges, weld};
 use crate::geometry::{Aabb, Plane, Shape, Sphere, TriMesh};
 
-/// Margin of every proof, as a share of the largest coordinate in the scene: a thousand times what rounding moves a
-/// point by.
+/// Margin of every proof, relative to the largest coordinate in the scene: a thousand times the rounding error of a
+/// point.
 const MARGIN: f64 = 1e-4;
 
-/// Triangles of a mesh up to which it is looked at as a shell.
+/// Number of triangles above which a mesh is not considered as a shell.
 const MOST_TRIANGLES: usize = 2_000;
 
-/// Where something lies.
+/// Side of a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     /// Outside a closed shell; in front of a plane.
     Outside,
     /// Within a closed shell; behind a plane.
     Inside,
-    /// Across it, or too near to tell.
+    /// Across the shell, or too near to tell.
     Across,
 }
 
-/// A surface that parts space in two.
+/// Surface that divides space in two.
 pub(super) enum Shell<'a> {
-    /// An infinite plane; its outside is where the normal points.
+    /// Infinite plane; its outside is where the normal points.
     Plane(&'a Plane),
     /// A sphere.
     Sphere(&'a Sphere),
@@ -34,7 +34,7 @@ pub(super) enum Shell<'a> {
 }
 
 impl<'a> Shell<'a> {
-    /// The shell that a shape is, if it is one.
+    /// Returns the shell of a shape, if it is one.
     pub fn of(shape: &'a Shape) -> Option<Self> {
         match shape {
             Shape::Plane(plane) => plane.is_usable().then_some(Self::Plane(plane)),
@@ -46,12 +46,12 @@ impl<'a> Shell<'a> {
         }
     }
 
-    /// Whether it is a plane.
+    /// Returns true if the shell is a plane.
     pub fn is_plane(&self) -> bool {
         matches!(self, Self::Plane(_))
     }
 
-    /// Where a box lies, in a scene of coordinates up to `scale`.
+    /// Returns the side on which a box lies, in a scene of coordinates up to `scale`.
     pub fn side_of_box(&self, b: &Aabb, scale: f64) -> Side {
         if b.is_empty() {
             return Side::Across;
@@ -79,7 +79,7 @@ impl<'a> Shell<'a> {
             }
             Self::Mesh(mesh) => {
                 let grown = (lo - margin, hi + margin);
-                // Where no triangle's box meets the grown box, all of that lies on the side of its centre.
+                // If no triangle's box overlaps the grown box, all of it lies on the side of its centre.
                 let touched = (0..mesh.triangles.len()).any(|i| {
                     let t = Aabb::of(&mesh.corners(i));
                     t.lo.as_dvec3().cmple(grown.1).all() && t.hi.as_dvec3().cmpge(grown.0).all()
@@ -89,7 +89,7 @@ impl<'a> Shell<'a> {
         }
     }
 
-    /// Where a point lies.
+    /// Returns the side on which a point lies.
     pub fn side_of_point(&self, p: Vec3, scale: f64) -> Side {
         self.side_of_box(&Aabb { lo: p, hi: p }, scale)
     }
@@ -115,8 +115,8 @@ fn of_winding(turns: f64) -> Side {
     }
 }
 
-/// Returns true if each edge of a mesh is shared by two triangles that run along it in opposite ways, and no triangle is
-/// without area.
+/// Returns true if each edge of a mesh is shared by two triangles in opposite directions, and every triangle has an
+/// area.
 pub(super) fn is_closed(mesh: &TriMesh) -> bool {
     let has_area = |i: usize| {
         let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
@@ -128,7 +128,7 @@ pub(super) fn is_closed(mesh: &TriMesh) -> bool {
         && Edges::new(&mesh.triangles, &weld(&mesh.positions)).manifold()
 }
 
-/// Whether every corner of a closed mesh lies behind every one of its triangles, or in their planes.
+/// Returns true if every corner of a closed mesh lies behind or in the plane of every triangle.
 fn is_convex(mesh: &TriMesh) -> bool {
     let size = Aabb::of(&mesh.positions);
     let slack = 1e-6 * (size.hi - size.lo).as_dvec3().length();
@@ -139,7 +139,7 @@ fn is_convex(mesh: &TriMesh) -> bool {
     })
 }
 
-/// How often a closed mesh winds around a point that is on none of its triangles (van Oosterom & Strackee 1983).
+/// Returns the winding number of a closed mesh about a point off its triangles (van Oosterom & Strackee 1983).
 fn winding_number(mesh: &TriMesh, p: DVec3) -> f64 {
     let mut angle = 0.0;
     for i in 0..mesh.triangles.len() {

@@ -1,11 +1,11 @@
-//! Touching surfaces that change a picture.
+//! Contacts between surfaces, as far as they change a picture.
 
 use crate::geometry::contact::Contacts;
 use crate::scene::{Interface, Material, Scene};
 
-/// The touching surfaces of a scene that a picture can tell from surfaces with a gap.
+/// Finds the touching surfaces of a scene that look different from surfaces with a gap.
 ///
-/// Opaque surfaces of one material look the same whichever of them is met, so they are left out.
+/// Opaque surfaces of one material look the same whichever of them is hit, so they are left out.
 #[must_use]
 pub fn contacts(scene: &Scene) -> Contacts {
     Contacts::find(&scene.geometry, &|a, b| matters(scene, a, b))
@@ -17,7 +17,7 @@ fn matters(scene: &Scene, a: usize, b: usize) -> bool {
     m != n || lets_light_on(&scene.materials[m as usize])
 }
 
-/// Returns true if a ray may go on behind a surface.
+/// Returns true if rays may continue behind a surface.
 fn lets_light_on(material: &Material) -> bool {
     match material.interface {
         Interface::Dielectric { .. } | Interface::ThinDielectric { .. } | Interface::Alpha { .. } => true,

@@ -1,4 +1,4 @@
-//! Scenes with effects taken out of their data.
+//! Removal of effects from a scene's data.
 
 use std::borrow::Cow;
 
@@ -8,9 +8,9 @@ use crate::scene::{
     Colour, Dispersion, Environment, FresnelRule, Interface, LightKind, Rgb, Scene, ShadowRule, Texture,
 };
 
-/// The scene without some effects: as [`Effect::left_out`] says of each. Refraction and total internal reflection are
-/// no data of a scene, nor are contacts; renderers leave them out by themselves. Shapes stay where they are, so that a hierarchy built of
-/// the whole scene's serves this one.
+/// Returns the scene without some effects, as [`Effect::left_out`] describes each. Refraction, total internal
+/// reflection and contact are not part of a scene's data; renderers leave them out themselves. Shapes keep their
+/// places, so a hierarchy built for the whole scene also serves the result.
 #[must_use]
 pub fn without(scene: &Scene, effects: EffectSet) -> Cow<'_, Scene> {
     let mut scene = Cow::Borrowed(scene);

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::simd::{F32x8, Vec3x8};
+
 /// An axis-aligned box; empty where any `lo` exceeds its `hi`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -74,5 +76,68 @@ impl Aabb {
     #[must_use]
     pub fn diagonal(&self) -> f32 {
         if self.is_empty() { 0.0 } else { self.extent().length() }
+    }
+}
+
+/// The octant of a direction: for each axis, 1 where the ray runs towards lower coordinates, else 0. It is the index of
+/// the near planes in [`Aabb8::planes`].
+pub type Octant = [usize; 3];
+
+/// Eight boxes in structure-of-arrays.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Aabb8 {
+    /// Planes by axis: lower coordinates first, then upper ones.
+    pub planes: [[F32x8; 2]; 3],
+}
+
+impl Aabb8 {
+    /// Eight inside-out boxes, which no ray meets.
+    pub const EMPTY: Self = Self { planes: [[F32x8::INFINITY, F32x8::new([f32::NEG_INFINITY; 8])]; 3] };
+
+    /// The boxes between lower corners `lo` and upper corners `hi`.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(lo: Vec3x8, hi: Vec3x8) -> Self {
+        Self { planes: [[lo.x, hi.x], [lo.y, hi.y], [lo.z, hi.z]] }
+    }
+
+    /// Puts the box between `lo` and `hi` into lane `i` (0..8).
+    pub fn set_lane(&mut self, i: usize, lo: [f32; 3], hi: [f32; 3]) {
+        for (planes, ends) in self.planes.iter_mut().zip(lo.into_iter().zip(hi)) {
+            planes[0].set_lane(i, ends.0);
+            planes[1].set_lane(i, ends.1);
+        }
+    }
+
+    /// The plane of each box that rays of `octant` reach first along `axis`.
+    #[inline(always)]
+    #[must_use]
+    pub fn near(&self, axis: usize, octant: Octant) -> F32x8 {
+        self.planes[axis][octant[axis] & 1]
+    }
+
+    /// The plane of each box that rays of `octant` reach last along `axis`.
+    #[inline(always)]
+    #[must_use]
+    pub fn far(&self, axis: usize, octant: Octant) -> F32x8 {
+        self.planes[axis][(octant[axis] & 1) ^ 1]
+    }
+
+    /// The near planes of the eight boxes for rays of `octant`, and the far planes.
+    #[inline(always)]
+    #[must_use]
+    pub fn sorted(&self, octant: Octant) -> (Vec3x8, Vec3x8) {
+        let (near, far) = (|axis| self.near(axis, octant), |axis| self.far(axis, octant));
+        (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)))
+    }
+
+    /// As [`Aabb8::sorted`] for the box in lane `i` alone, in all lanes of the result.
+    #[inline(always)]
+    #[must_use]
+    pub fn sorted_lane(&self, octant: Octant, i: usize) -> (Vec3x8, Vec3x8) {
+        let near = |axis: usize| F32x8::from(self.near(axis, octant).lane(i));
+        let far = |axis: usize| F32x8::from(self.far(axis, octant).lane(i));
+        (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)))
     }
 }

@@ -25,6 +25,19 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// A mesh without normals and texture coordinates.
+    #[must_use]
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { positions, triangles, ..Self::default() }
+    }
+
+    /// Bytes of all lists.
+    pub(crate) fn bytes(&self) -> usize {
+        let corners = size_of_val(self.positions.as_slice()) + size_of_val(self.triangles.as_slice());
+        let normals = size_of_val(self.normals.as_slice()) + size_of_val(self.normal_indices.as_slice());
+        corners + normals + size_of_val(self.uvs.as_slice()) + size_of_val(self.uv_indices.as_slice())
+    }
+
     /// The corners of triangle `i`.
     #[inline(always)]
     #[must_use]

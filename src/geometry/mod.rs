@@ -14,7 +14,7 @@ pub(crate) mod topology;
 pub(crate) mod triangle;
 pub mod triangle_test;
 
-pub use aabb::Aabb;
+pub use aabb::{Aabb, Aabb8, Octant};
 pub use hit::{Hit, Hit8, NO_GEOMETRY};
 pub use mesh::TriMesh;
 pub(crate) use mesh::is_usable;
@@ -65,6 +65,14 @@ pub struct Geometry {
     pub mask: GeometryMask,
 }
 
+impl Geometry {
+    /// A shape that every ray looks for.
+    #[must_use]
+    pub fn new(shape: impl Into<Shape>) -> Self {
+        Self { shape: shape.into(), mask: GeometryMask::ALL }
+    }
+}
+
 /// The shapes that can be intersected.
 #[derive(Clone, Debug)]
 pub enum Shape {
@@ -74,4 +82,22 @@ pub enum Shape {
     Sphere(Sphere),
     /// An infinite plane, which no bounding box holds; `primitive` is 0.
     Plane(Plane),
+}
+
+impl From<TriMesh> for Shape {
+    fn from(mesh: TriMesh) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+impl From<Sphere> for Shape {
+    fn from(sphere: Sphere) -> Self {
+        Self::Sphere(sphere)
+    }
+}
+
+impl From<Plane> for Shape {
+    fn from(plane: Plane) -> Self {
+        Self::Plane(plane)
+    }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Plane;
+use super::{Aabb8, Plane};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
@@ -105,9 +105,9 @@ impl Shaft {
 
     /// Returns the boxes, of eight, that may reach into the shaft: by axis, their lower and upper planes.
     #[must_use]
-    pub fn boxes(&self, planes: &[[F32x8; 2]; 3]) -> u8 {
+    pub fn boxes(&self, boxes: &Aabb8) -> u8 {
         let from = self.from.to_array();
-        let near = [0, 1, 2].map(|axis| planes[axis].map(|plane| plane - F32x8::from(from[axis])));
+        let near = [0, 1, 2].map(|axis| boxes.planes[axis].map(|plane| plane - F32x8::from(from[axis])));
         // Of each box, the corner that is farthest along a direction.
         let farthest = |along: Vec3| {
             let of = |axis: usize, along: f32| near[axis][usize::from(along > 0.0)] * F32x8::from(along);
@@ -340,7 +340,7 @@ mod tests {
 
     #[test]
     fn boxes_that_reach_in_are_found() {
-        let mut planes = [[F32x8::ZERO; 2]; 3];
+        let mut eight = Aabb8 { planes: [[F32x8::ZERO; 2]; 3] };
         let boxes = [
             ([-0.1, 4.0, -0.1], [0.1, 5.0, 0.1], true),
             ([2.0, 4.0, -0.1], [3.0, 5.0, 0.1], false),
@@ -351,12 +351,9 @@ mod tests {
             ([0.31, 1.0, -9.0], [0.4, 3.0, 9.0], false),
         ];
         for (i, (lo, hi, _)) in boxes.iter().enumerate() {
-            for axis in 0..3 {
-                planes[axis][0].set_lane(i, lo[axis]);
-                planes[axis][1].set_lane(i, hi[axis]);
-            }
+            eight.set_lane(i, *lo, *hi);
         }
-        let found = shaft().boxes(&planes);
+        let found = shaft().boxes(&eight);
         for (i, (.., within)) in boxes.iter().enumerate() {
             assert_eq!(found >> i & 1 != 0, *within, "{i}");
         }

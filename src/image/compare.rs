@@ -1,11 +1,11 @@
-//! How far two pictures are apart.
+//! Comparison of two pictures.
 
 use super::ssim::ssim;
 use super::{Film, srgb_from_linear};
 use crate::{Error, Result};
 
-/// The difference of two pictures of the same size. Distances are between linear channel values as they are, in units
-/// of radiance; PSNR and SSIM are of the pictures as seen: clamped to 0..=1 and encoded as sRGB.
+/// Difference of two pictures of the same size. Differences are between linear channel values, in units of radiance.
+/// PSNR and SSIM are of the displayed pictures: clamped to 0..=1 and encoded as sRGB.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Comparison {
     /// Columns.
@@ -18,21 +18,21 @@ pub struct Comparison {
     pub mean: f64,
     /// Root of the mean squared difference over all channels.
     pub rmse: f64,
-    /// Peak signal-to-noise ratio in dB, of the encoded pictures with a peak of 1; none where they are equal.
+    /// Peak signal-to-noise ratio of the encoded pictures in dB, with a peak of 1; `None` if they are equal.
     pub psnr: Option<f64>,
     /// Structural similarity of the encoded pictures, at most 1.
     pub ssim: f64,
-    /// The tolerance that was asked for.
+    /// Tolerance, in units of radiance.
     pub tolerance: f64,
-    /// Pixels of which a channel differs by more than the tolerance, or is not finite in either picture.
+    /// Number of pixels with a channel that differs by more than the tolerance, or is not finite in either picture.
     pub above: u64,
-    /// Pixels with a channel that is NaN or infinite in either picture; left out of all other figures.
+    /// Number of pixels with a channel that is NaN or infinite in either picture; left out of all other figures.
     pub non_finite: u64,
-    /// The pixel of the largest difference, the first of equals; none where no pixel differs.
+    /// Pixel of the largest difference, the first of equal ones; `None` if no pixel differs.
     pub worst: Option<Worst>,
 }
 
-/// The worst pixel of a comparison.
+/// Pixel of the largest difference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Worst {
     /// Column, from 0 at the left.
@@ -46,7 +46,7 @@ pub struct Worst {
 }
 
 impl Comparison {
-    /// Pixels above the tolerance, as a share of all, 0..=1.
+    /// Returns the share of pixels above the tolerance, 0..=1.
     #[must_use]
     pub fn share_above(&self) -> f64 {
         self.above as f64 / (f64::from(self.width) * f64::from(self.height))
@@ -66,7 +66,7 @@ fn same_size(a: &Film, b: &Film) -> Result<()> {
 /// Compares two pictures; `tolerance` is in units of radiance.
 ///
 /// # Errors
-/// Usage, where they differ in size or are empty.
+/// Returns [`Error::Usage`] if the sizes differ or are 0.
 pub fn compare(a: &Film, b: &Film, tolerance: f64) -> Result<Comparison> {
     same_size(a, b)?;
     let (mut max, mut sum, mut squares, mut seen_squares) = (0.0_f64, 0.0, 0.0, 0.0);
@@ -112,15 +112,16 @@ pub fn compare(a: &Film, b: &Film, tolerance: f64) -> Result<Comparison> {
     })
 }
 
-/// A channel as shown on a screen, 0..=1; what is not finite shows as black.
+/// Returns a channel as displayed, 0..=1. Values that are not finite are displayed as black.
 fn seen(x: f32) -> f64 {
     if x.is_finite() { srgb_from_linear(f64::from(x).clamp(0.0, 1.0)) } else { 0.0 }
 }
 
-/// Absolute differences times `scale`, per channel; pixels not finite in either picture are magenta.
+/// Returns the absolute differences times `scale`, per channel. Pixels that are not finite in either picture are
+/// magenta.
 ///
 /// # Errors
-/// Usage, where the pictures differ in size or are empty.
+/// Returns [`Error::Usage`] if the sizes differ or are 0.
 pub fn difference(a: &Film, b: &Film, scale: f64) -> Result<Film> {
     same_size(a, b)?;
     let pixels = a.pixels.iter().zip(&b.pixels).map(|(p, q)| {

@@ -1,37 +1,38 @@
-//! Between linear radiance and the codes of a picture file: the transfer function of sRGB (IEC 61966-2-1), rounding,
-//! and a count of what the codes cannot hold.
+//! Conversion between linear radiance and the codes of picture files: the sRGB transfer function (IEC 61966-2-1),
+//! rounding, and counts of clipped samples.
 
-/// Code value in 0..=1 of linear light `x` in 0..=1: the standard's two pieces, not a power of 2.2.
+/// Returns the sRGB code value in 0..=1 of linear light `x` in 0..=1, by the standard's two pieces.
 #[must_use]
 pub fn srgb_from_linear(x: f64) -> f64 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear light in 0..=1 of code value `x` in 0..=1.
+/// Returns the linear light in 0..=1 of the sRGB code value `x` in 0..=1.
 #[must_use]
 pub fn linear_from_srgb(x: f64) -> f64 {
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Samples (one channel of one pixel each) that a file format could not hold as they were.
+/// Numbers of samples (one channel of one pixel each) that a file format could not represent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Clipped {
-    /// NaN or infinite. Where the format holds neither, NaN and minus infinity became 0, infinity the largest code.
+    /// NaN or infinite samples. In formats without such values, NaN and minus infinity became 0, and infinity the
+    /// largest code.
     pub non_finite: u64,
-    /// Below zero; became 0.
+    /// Samples below zero, which became 0.
     pub below: u64,
-    /// Above the largest value the format holds; became that value.
+    /// Samples above the largest value of the format, which became that value.
     pub above: u64,
 }
 
 impl Clipped {
-    /// Whether every sample fitted.
+    /// Returns true if every sample could be represented.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// `x` brought into `0..=max`, and counted where it was not there.
+    /// Clamps `x` to `0..=max`, and counts it if it was outside.
     pub(super) fn fit(&mut self, x: f32, max: f32) -> f32 {
         if !x.is_finite() {
             self.non_finite += 1;
@@ -47,12 +48,12 @@ impl Clipped {
         }
     }
 
-    /// Counts `x` if it is not finite, for formats that hold everything else.
+    /// Counts `x` if it is not finite, for formats that represent all other values.
     pub(super) fn note(&mut self, x: f32) {
         self.non_finite += u64::from(!x.is_finite());
     }
 
-    /// The nearest of the codes `0..=max` for linear light `x`.
+    /// Returns the nearest code in `0..=max` for linear light `x`.
     pub(super) fn code(&mut self, x: f32, max: u16) -> u16 {
         let x = f64::from(self.fit(x, 1.0));
         (srgb_from_linear(x) * f64::from(max)).round() as u16
@@ -70,7 +71,7 @@ mod tests {
         // Mid grey: sRGB 0.5 is linear 0.21404.
         assert!((linear_from_srgb(0.5) - 0.214_041_140_482_232_5).abs() < 1e-15);
         assert!((srgb_from_linear(0.214_041_140_482_232_5) - 0.5).abs() < 1e-15);
-        // Both pieces meet to the standard's own precision.
+        // The two pieces meet within the standard's own precision.
         assert!((srgb_from_linear(0.003_130_8) - 0.040_45).abs() < 1e-6);
     }
 

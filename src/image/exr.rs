@@ -1,4 +1,4 @@
-//! OpenEXR: linear samples as they are, with settings as attributes.
+//! OpenEXR files: linear samples without loss, with settings as attributes.
 
 use std::io::Cursor;
 
@@ -12,7 +12,7 @@ use super::format::cannot_hold;
 use super::{Clipped, Encoded, Film, Format};
 use crate::Result;
 
-/// Three binary32 channels, losslessly packed, in the order of the rows.
+/// Encodes a film as three binary32 channels, compressed without loss, rows in order.
 pub(super) fn encode(film: &Film, metadata: &[(String, String)]) -> Result<Encoded> {
     let mut clipped = Clipped::default();
     film.pixels.as_flattened().iter().for_each(|&x| clipped.note(x));
@@ -38,11 +38,11 @@ pub(super) fn encode(film: &Film, metadata: &[(String, String)]) -> Result<Encod
     Ok(Encoded { bytes, clipped })
 }
 
-/// Puts the attributes of a one-part file in the order of their names. `exr` keeps them in a hash map of random order,
-/// and the same picture is to be the same bytes.
+/// Sorts the attributes of a one-part file by name. `exr` keeps them in a hash map of random order, but the same
+/// picture must give the same bytes.
 ///
-/// After 8 bytes of magic number and version, an attribute is its name and its type, each ended by a zero, the length
-/// of its value in 4 bytes, and its value; a zero ends them all (OpenEXR file layout, "Header").
+/// The file begins with 8 bytes of magic number and version. Each attribute consists of its name and type, each ended
+/// by a zero, the length of its value in 4 bytes, and the value. A zero ends the list (OpenEXR file layout, "Header").
 fn sort_attributes(bytes: &mut [u8]) {
     let text_end = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|n| from + n + 1);
     let attribute_end = |from: usize| -> Option<usize> {
@@ -64,7 +64,7 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[start..end].copy_from_slice(&attributes.concat());
 }
 
-/// Columns and rows of the largest layer, and the most bytes that decoding takes a pixel, from the header alone.
+/// Returns the size of the largest layer, and the peak bytes per pixel during decoding, from the header alone.
 pub(super) fn size(bytes: &[u8]) -> std::result::Result<((u32, u32), u64), String> {
     let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| e.to_string())?;
     let mut largest = Vec2(0, 0);
@@ -82,11 +82,12 @@ pub(super) fn size(bytes: &[u8]) -> std::result::Result<((u32, u32), u64), Strin
         }
     }
     let edge = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
-    // Samples of all channels, those of three of them as numbers, and the film.
+    // Samples of all channels, three of them converted, and the film.
     Ok(((edge(largest.x()), edge(largest.y())), (4 * channels + 12 + 12) as u64))
 }
 
-/// The first layer's `R`, `G` and `B`, or its `Y` alone, and whether there was an alpha channel to leave out.
+/// Decodes the first layer's `R`, `G` and `B`, or its `Y` alone. Returns true beside it if an alpha channel was left
+/// out.
 pub(super) fn decode(bytes: &[u8]) -> std::result::Result<(Film, bool), String> {
     let image = ::exr::prelude::read()
         .no_deep_data()

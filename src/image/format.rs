@@ -1,4 +1,4 @@
-//! File formats by name, and a film as the bytes of one of them.
+//! Picture file formats, and encoding of a film.
 
 use std::path::Path;
 
@@ -6,24 +6,24 @@ use super::{Clipped, Film, exr, hdr, pfm, png};
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// A picture file format that can be written.
+/// Picture file format for writing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
     /// sRGB codes, 8 or 16 bits.
     Png,
     /// OpenEXR: linear binary32, losslessly packed.
     Exr,
-    /// Radiance RGBE: linear, 8 bits a channel under one exponent, nothing below zero.
+    /// Radiance RGBE: linear, 8 bits per channel with a shared exponent, nothing below zero.
     Hdr,
-    /// Portable float map: linear binary32, plain.
+    /// Portable float map: linear binary32, uncompressed.
     Pfm,
 }
 
 impl Format {
-    /// The format that the file name's extension stands for.
+    /// Returns the format for the extension of a file name.
     ///
     /// # Errors
-    /// Usage, where there is no extension or an unknown one.
+    /// Returns [`Error::Usage`] if the extension is missing or unknown.
     pub fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         match extension.as_str() {
@@ -42,7 +42,7 @@ impl Format {
         }
     }
 
-    /// The name in reports.
+    /// Returns the name used in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -54,42 +54,42 @@ impl Format {
     }
 }
 
-/// Depth of a PNG's samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Bits {
-    /// 8 bits a sample.
-    #[default]
-    Eight,
-    /// 16 bits a sample.
-    Sixteen,
+crate::choice! {
+    /// Bits of a PNG's samples.
+    pub enum Bits("bits", derive(Eq, Hash), default(Eight)) {
+        /// 8 bits a sample.
+        "8" => Eight,
+        /// 16 bits a sample.
+        "16" => Sixteen,
+    }
 }
 
-/// How a film is to be written.
+/// Options for writing a film.
 #[derive(Clone, Debug)]
 pub struct Encoding {
-    /// The file format.
+    /// File format.
     pub format: Format,
-    /// Sample depth; for PNG only.
+    /// Bits per sample; for PNG only.
     pub bits: Bits,
-    /// Names and values kept in the file by PNG (text chunks) and OpenEXR (attributes). Names are 1 to 79 printable
-    /// ASCII characters.
+    /// Names and values to store in PNG (text chunks) and OpenEXR (attributes). Names are 1 to 79 printable ASCII
+    /// characters.
     pub metadata: Vec<(String, String)>,
 }
 
-/// A film as a file's bytes.
+/// Encoded picture file.
 #[derive(Clone, Debug)]
 pub struct Encoded {
-    /// The whole file.
+    /// Bytes of the whole file.
     pub bytes: Vec<u8>,
-    /// What the format could not hold.
+    /// Samples that the format could not represent.
     pub clipped: Clipped,
 }
 
-/// The bytes of `film` in a file format. The same film and encoding give the same bytes.
+/// Encodes `film` in a file format. The same film and encoding give the same bytes.
 ///
 /// # Errors
-/// A limit, where the film is empty or the format cannot hold its size; usage, for metadata names that are not
-/// as [`Encoding::metadata`] says.
+/// - [`Error::Limit`] if the film is empty or too large for the format.
+/// - [`Error::Usage`] for a metadata name that violates [`Encoding::metadata`].
 pub fn encode(film: &Film, encoding: &Encoding) -> Result<Encoded> {
     if film.width == 0 || film.height == 0 || film.pixels.len() != film.width as usize * film.height as usize {
         return Err(Error::Limit(format!("a picture of {} by {} pixels cannot be written", film.width, film.height)));
@@ -101,7 +101,7 @@ pub fn encode(film: &Film, encoding: &Encoding) -> Result<Encoded> {
             )));
         }
     }
-    // The most bytes of codes and of the file in a list that grows by doubling.
+    // Peak bytes of codes and of the file, which grows by doubling.
     let each = match (encoding.format, encoding.bits) {
         (Format::Png, Bits::Eight) => 3 + 2 * 3,
         (Format::Png, Bits::Sixteen) => 6 + 2 * 6,
@@ -119,7 +119,7 @@ pub fn encode(film: &Film, encoding: &Encoding) -> Result<Encoded> {
     }
 }
 
-/// The limit error for a film that `format` cannot take.
+/// Returns the limit error for a film that `format` cannot represent.
 pub(super) fn cannot_hold(film: &Film, format: Format, why: impl std::fmt::Display) -> Error {
     Error::Limit(format!(
         "a picture of {} by {} pixels does not fit into {}: {why}",

@@ -1,13 +1,13 @@
-//! Radiance pictures: three 8-bit mantissas under one exponent (Ward 1991).
+//! Radiance HDR files: three 8-bit mantissas with a shared exponent (Ward 1991).
 
 use super::format::cannot_hold;
 use super::{Clipped, Encoded, Film, Format};
 use crate::Result;
 
-/// The largest number: mantissa 255 of 256 under the largest exponent whose power `f32` holds.
+/// Largest value: mantissa 255 of 256 under the largest exponent whose power `f32` represents.
 const MAX: f32 = 255.0 / 256.0 * 1.701_411_8e38;
 
-/// Rounds to nearest; `image`'s encoder truncates, which is exact on what [`nearest`] returns.
+/// Encodes a film, rounding to nearest. `image`'s encoder truncates, which is exact for the output of [`nearest`].
 pub(super) fn encode(film: &Film) -> Result<Encoded> {
     let mut clipped = Clipped::default();
     let pixels: Vec<_> = film.pixels.iter().map(|p| ::image::Rgb(nearest(p.map(|x| clipped.fit(x, MAX))))).collect();
@@ -18,13 +18,13 @@ pub(super) fn encode(film: &Film) -> Result<Encoded> {
     Ok(Encoded { bytes, clipped })
 }
 
-/// The nearest colour with three 8-bit mantissas under a shared exponent; black below 2^-120.
+/// Returns the nearest colour with three 8-bit mantissas and a shared exponent; black below 2^-120.
 fn nearest(colour: [f32; 3]) -> [f32; 3] {
     let max = colour[0].max(colour[1]).max(colour[2]);
     if max < 2.0_f32.powi(-120) {
         return [0.0; 3];
     }
-    // `max` lies in [2^e, 2^(e+1)); 128 steps of 2^(e-7) lead from one end to the other.
+    // `max` lies in [2^e, 2^(e+1)), which 128 steps of 2^(e-7) divide.
     let exponent = (max.to_bits() >> 23) as i32 - 127;
     let round = |step: f32| colour.map(|x| (x / step).round_ties_even() * step);
     let step = 2.0_f32.powi(exponent - 7);

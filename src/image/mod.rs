@@ -1,4 +1,4 @@
-//! Pictures: the film, and reading, writing and comparing them.
+//! Pictures: the film, and reading, writing and comparing picture files.
 
 mod compare;
 mod encode;
@@ -10,6 +10,7 @@ mod part;
 mod pfm;
 mod png;
 mod read;
+mod save;
 mod ssim;
 mod write;
 
@@ -18,4 +19,5 @@ pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
 pub use film::{Film, MOST_PIXELS};
 pub use format::{Bits, Encoded, Encoding, Format, encode};
 pub use read::{Limits, Picture, ReadOptions, read};
+pub use save::save;
 pub use write::{Destination, discard_unfinished, discard_unfinished_at_once};

@@ -1,8 +1,8 @@
-//! Temporary files under which outputs are written, and removal of those that killed processes left behind.
+//! Temporary files for outputs, and removal of those that killed processes left behind.
 //!
-//! A process holds a lock on its temporary file until the file has its final name or is gone. The system drops the lock when
-//! the process ends, however it ends. So a file that can be locked belongs to nobody, and no process id has to be believed:
-//! ids come again, and mean nothing to another container or host that shares the folder.
+//! A process locks its temporary file until the file has its final name or is removed. The system releases the lock
+//! when the process ends for any reason. So a file that can be locked is a leftover. Process ids are not used: they are
+//! reused, and mean nothing to another container or host that shares the folder.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
@@ -13,23 +13,23 @@ use tempfile::{Builder, NamedTempFile};
 
 const SUFFIX: &str = ".part";
 
-/// Characters between the output's name and the suffix: a hyphen and what `tempfile` makes up.
+/// Length of the random part between the output's name and the suffix: a hyphen and characters from `tempfile`.
 const RANDOM: usize = 6;
 
-/// Characters of the output's name that are kept: names of files are at most 255 bytes long.
+/// Number of characters of the output's name that are kept, since file names have at most 255 bytes.
 const LONGEST_NAME: usize = 50;
 
-/// Temporary files that are created and lost to another process's tidying up before they are locked; any more and something
-/// else is wrong.
+/// Number of attempts to create a temporary file. Another process may remove the file before it is locked; after this
+/// many losses something else is wrong.
 const TRIES: usize = 16;
 
-/// Start of the names of temporary files for `output`: `.vitrum-a.png-`.
+/// Returns the prefix of temporary files for `output`, such as `.vitrum-a.png-`.
 fn prefix(output: &Path) -> String {
     let name = output.file_name().unwrap_or_default().to_string_lossy();
     format!(".vitrum-{}-", name.chars().take(LONGEST_NAME).collect::<String>())
 }
 
-/// The folder that a file lies in.
+/// Returns the folder of a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -37,8 +37,8 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A locked temporary file in the folder of `output`: readable by its owner alone, or, where `open`, with the permissions
-/// that any program would give it, less the user's umask.
+/// Creates a locked temporary file in the folder of `output`. Only the owner can read it, unless `open`: then it has
+/// the default permissions less the user's umask.
 pub(super) fn create(output: &Path, open: bool) -> io::Result<NamedTempFile> {
     let prefix = prefix(output);
     let mut builder = Builder::new();
@@ -52,7 +52,7 @@ pub(super) fn create(output: &Path, open: bool) -> io::Result<NamedTempFile> {
     let mut last = None;
     for _ in 0..TRIES {
         let file = builder.tempfile_in(folder_of(output))?;
-        // Some file systems have no locks: then nothing is locked, and nothing removed.
+        // Some file systems have no locks. There nothing is locked, and nothing removed.
         let _ = file.as_file().lock();
         if is_there(file.as_file(), file.path()) {
             return Ok(file);
@@ -62,7 +62,7 @@ pub(super) fn create(output: &Path, open: bool) -> io::Result<NamedTempFile> {
     last.ok_or_else(|| io::Error::other("temporary files vanish as they are created"))
 }
 
-/// Returns true if `path` still names `file`.
+/// Returns true if `path` still refers to `file`.
 fn is_there(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -80,7 +80,7 @@ fn is_there(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Removes what processes that are gone have left of their attempts to write `output`.
+/// Removes temporary files for `output` whose processes have ended.
 pub(super) fn remove_leftovers(output: &Path) {
     let prefix = prefix(output);
     let is_ours = |name: OsString| {
@@ -95,13 +95,13 @@ pub(super) fn remove_leftovers(output: &Path) {
 }
 
 fn remove_where_left(path: &PathBuf) {
-    // Neither pipes, which would block, nor links are opened.
+    // Pipes, which would block, and links are not opened.
     if !fs::symlink_metadata(path).is_ok_and(|m| m.is_file()) {
         return;
     }
     let Ok(file) = File::open(path) else { return };
     match file.try_lock() {
-        // The lock is held until the file is gone, so that whoever made it just now finds that out.
+        // The lock is held until the file is removed, so that a process that has just created it notices.
         Ok(()) if is_there(&file, path) => {
             let _ = fs::remove_file(path);
         }
@@ -125,7 +125,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("a.png");
         let left = create(&output, true).unwrap().keep().unwrap().0;
-        // A process that is gone holds no lock.
+        // A process that has ended holds no lock.
         drop(left);
         let busy = create(&output, true).unwrap();
         let others = [".vitrum-b.png-abcdef.part", ".vitrum-a.png-abcdef.parts", ".vitrum-a.png-x-bcde.part", "a.png"];

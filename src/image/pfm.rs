@@ -2,7 +2,7 @@
 
 use super::{Clipped, Encoded, Film};
 
-/// Little-endian, colour, scale 1.
+/// Encodes a film in colour, little-endian, with scale 1.
 pub(super) fn encode(film: &Film) -> Encoded {
     let mut bytes = format!("PF\n{} {}\n-1.0\n", film.width, film.height).into_bytes();
     bytes.reserve(film.pixels.len() * 12);
@@ -16,18 +16,18 @@ pub(super) fn encode(film: &Film) -> Encoded {
     Encoded { bytes, clipped }
 }
 
-/// What a header says.
+/// Parsed header.
 pub(super) struct Header {
     pub width: u32,
     pub height: u32,
     channels: usize,
-    /// Its sign is the byte order (below zero: little-endian), its size a factor on all samples.
+    /// Factor on all samples; a negative sign means little-endian.
     scale: f32,
     data: usize,
 }
 
-/// Reads the header: `PF` (colour) or `Pf` (grey), width, height, scale, separated by white space, one white-space
-/// character before the data.
+/// Parses the header: `PF` (colour) or `Pf` (grey), width, height and scale, separated by white space, with one
+/// white-space character before the data.
 pub(super) fn header(bytes: &[u8]) -> Result<Header, String> {
     let mut at = 0;
     let mut word = || {
@@ -39,7 +39,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<Header, String> {
             at += 1;
         }
         let word = std::str::from_utf8(&bytes[start..at]).unwrap_or_default();
-        // One white-space character belongs to the word: behind the last one the data begin.
+        // One white-space character belongs to each word, so the data begin after the last one.
         at = bytes.len().min(at + 1);
         (word, at)
     };
@@ -61,7 +61,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<Header, String> {
     Ok(Header { width, height, channels, scale, data })
 }
 
-/// The picture behind a header whose size was found acceptable.
+/// Decodes the picture after a header whose size has been accepted.
 pub(super) fn decode(bytes: &[u8], header: &Header) -> Result<Film, String> {
     let (width, height) = (header.width as usize, header.height as usize);
     let row_bytes = width * header.channels * 4;

@@ -1,4 +1,4 @@
-//! PNG: sRGB codes of 8 or 16 bits, with settings in text chunks.
+//! PNG files: sRGB codes of 8 or 16 bits, with settings in text chunks.
 
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRenderingIntent, Transformations};
 
@@ -6,7 +6,7 @@ use super::format::cannot_hold;
 use super::{Bits, Clipped, Encoded, Film, Format, linear_from_srgb};
 use crate::Result;
 
-/// RGB without alpha, marked as sRGB.
+/// Encodes a film as RGB without alpha, marked as sRGB.
 pub(super) fn encode(film: &Film, bits: Bits, metadata: &[(String, String)]) -> Result<Encoded> {
     let mut clipped = Clipped::default();
     let samples = film.pixels.as_flattened();
@@ -39,12 +39,12 @@ pub(super) fn encode(film: &Film, bits: Bits, metadata: &[(String, String)]) -> 
     Ok(Encoded { bytes, clipped })
 }
 
-/// A PNG whose header has been read, so that its size can be judged before its pixels are.
+/// Open PNG whose header has been read, so that its size can be checked before decoding.
 pub(super) struct Header<'a> {
     reader: ::png::Reader<std::io::Cursor<&'a [u8]>>,
 }
 
-/// Reads up to the pixels.
+/// Reads the file up to the pixels.
 pub(super) fn header(bytes: &[u8]) -> std::result::Result<Header<'_>, String> {
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(Transformations::EXPAND);
@@ -54,27 +54,27 @@ pub(super) fn header(bytes: &[u8]) -> std::result::Result<Header<'_>, String> {
 }
 
 impl Header<'_> {
-    /// Columns and rows.
+    /// Returns columns and rows.
     pub fn size(&self) -> (u32, u32) {
         (self.reader.info().width, self.reader.info().height)
     }
 
-    /// The most bytes that decoding takes a pixel: its codes and its colour.
+    /// Returns the peak bytes per pixel during decoding: codes and colour.
     pub fn bytes_a_pixel(&self) -> u64 {
         let (colour, depth) = self.reader.output_color_type();
         let codes = colour.samples() * if depth == BitDepth::Sixteen { 2 } else { 1 };
         (codes + size_of::<[f32; 3]>()) as u64
     }
 
-    /// The fewest bytes of a file of this size: deflate packs at most 1032 bytes into one.
+    /// Returns the smallest possible length of a file of this size. Deflate compresses at most 1032 bytes into one.
     pub fn shortest(&self) -> u64 {
         let info = self.reader.info();
         let bits = u64::from(info.width) * info.bits_per_pixel() as u64;
-        // Each row begins with the byte of its filter.
+        // Each row begins with a filter byte.
         u64::from(info.height) * (bits.div_ceil(8) + 1) / 1032
     }
 
-    /// The pixels, in linear light, and whether there was an alpha channel to leave out.
+    /// Decodes the pixels to linear light. Returns true beside them if an alpha channel was left out.
     pub fn decode(mut self, linear: bool) -> std::result::Result<(Film, bool), String> {
         let (width, height) = self.size();
         let transfer = if linear { Transfer::Power(1.0) } else { Transfer::of(self.reader.info()) };
@@ -99,17 +99,17 @@ impl Header<'_> {
     }
 }
 
-/// How codes stand for light.
+/// Transfer function from codes to light.
 enum Transfer {
     Srgb,
-    /// Light is the code to this power.
+    /// Light is the code raised to this power.
     Power(f64),
 }
 
 impl Transfer {
-    /// An sRGB chunk or colour profile means sRGB (profiles are not evaluated), a lone gAMA chunk the power it names,
-    /// and nothing at all sRGB. gAMA 0.45455 is the standard's own stand-in for sRGB, and what most programs that
-    /// write it mean.
+    /// Returns the transfer function that the chunks specify. An sRGB chunk or colour profile means sRGB (profiles are
+    /// not evaluated). A lone gAMA chunk means its power, and no chunk means sRGB. gAMA 0.45455 is the standard's
+    /// substitute for sRGB, and most programs that write it mean sRGB.
     fn of(info: &Info) -> Self {
         let gamma = info.gama_chunk.map(|g| g.into_scaled());
         match gamma {

@@ -1,4 +1,4 @@
-//! Pictures from files, told by their first bytes and not by their name.
+//! Reading of picture files, recognised by their first bytes.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,58 +9,59 @@ use super::{Film, MOST_PIXELS, exr, linear_from_srgb, pfm, png};
 use crate::system::{files, memory};
 use crate::{Error, Result};
 
-/// The most that is taken on.
+/// Limits on pictures to read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Columns and rows, each.
+    /// Largest number of columns, and of rows.
     pub edge: u32,
-    /// Pixels.
+    /// Largest number of pixels.
     pub pixels: u64,
-    /// Length of the file in bytes.
+    /// Largest length of the file in bytes.
     pub bytes: u64,
 }
 
 impl Default for Limits {
-    /// 65,536 pixels an edge, [`MOST_PIXELS`] (1.5 GiB as a film), files of 2 GiB.
+    /// Returns 65,536 pixels per edge, [`MOST_PIXELS`] (1.5 GiB as a film), and files of 2 GiB.
     fn default() -> Self {
         Self { edge: 65_536, pixels: MOST_PIXELS, bytes: 2 << 30 }
     }
 }
 
-/// Bytes of a film's pixel.
+/// Bytes per pixel of a film.
 const FILM_BYTES: u64 = size_of::<[f32; 3]>() as u64;
 
-/// How a picture file is to be read.
+/// Options for reading a picture file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// The most that is taken on.
+    /// Limits on its size.
     pub limits: Limits,
-    /// Takes the codes of PNG and JPEG as linear light, whatever the file says of them.
+    /// Treats the codes of PNG and JPEG as linear light, whatever the file specifies.
     pub linear: bool,
 }
 
-/// A picture as read.
+/// Picture read from a file.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// Its colours, in linear light.
+    /// Colours in linear light.
     pub film: Film,
-    /// Whether it had an alpha channel, which is left out (colours are not multiplied by it).
+    /// True if an alpha channel was left out. Colours are not multiplied by it.
     pub alpha_dropped: bool,
 }
 
-/// Reads PNG (any depth; codes decoded as its sRGB or gAMA chunk says, as sRGB without either), OpenEXR, Radiance
-/// HDR, PFM or JPEG. Samples that are not finite are passed on as they are.
+/// Reads PNG, OpenEXR, Radiance HDR, PFM or JPEG. PNG may have any depth; its codes are decoded by its sRGB or gAMA
+/// chunk, or as sRGB. Samples that are not finite are kept.
 ///
 /// # Errors
-/// Io, where the file cannot be read; a file error, where it is no such picture, damaged or of size 0; a limit,
-/// where it is larger than the options allow.
+/// - [`Error::Io`] if the file cannot be read.
+/// - [`Error::File`] if it is no such picture, damaged, or of size 0.
+/// - [`Error::Limit`] if it exceeds the limits of the options.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture> {
     decode(&files::read(path, options.limits.bytes)?, path, options)
 }
 
-/// [`read`], of a file's bytes that are there already; errors call it `path`.
+/// Decodes a file's bytes; errors name `path`.
 fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
-    // Decoders' messages may have several lines; an error has one.
+    // Messages of decoders may have several lines; an error has one.
     let one_line = |e: String| e.split_whitespace().collect::<Vec<_>>().join(" ");
     let wrong = |kind: &'static str| move |e| Error::file(path, format!("not a readable {kind}: {}", one_line(e)));
     let check = |(width, height), each: u64, shortest: u64| {
@@ -91,13 +92,13 @@ fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
         }
         [b'#', b'?', ..] => {
             let size = dimensions(bytes, ImageFormat::Hdr).map_err(wrong("Radiance HDR picture"))?;
-            // A row takes four bytes at least: one pixel, or the head of a packed row.
+            // A row takes at least four bytes: one pixel, or the header of a packed row.
             check(size, 2 * FILM_BYTES, 4 * u64::from(size.1))?;
             (hdr(bytes, options.limits).map_err(wrong("Radiance HDR picture"))?, false)
         }
         [0xff, 0xd8, ..] => {
             let size = dimensions(bytes, ImageFormat::Jpeg).map_err(wrong("JPEG"))?;
-            // Codes, coefficients of 16 bits, and planes of the three components.
+            // Codes, 16-bit coefficients, and planes of the three components.
             check(size, FILM_BYTES + 3 + 6 + 6, 0)?;
             (jpeg(bytes, options).map_err(wrong("JPEG"))?, false)
         }
@@ -125,7 +126,7 @@ fn dimensions(bytes: &[u8], format: ImageFormat) -> std::result::Result<(u32, u3
     ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(|e| e.to_string())
 }
 
-/// Decodes through `ImageReader`, the one way into `image` that keeps its limits.
+/// Decodes through `ImageReader`, the only interface of `image` that respects its limits.
 fn decode_by_image(bytes: &[u8], format: ImageFormat, limits: Limits) -> std::result::Result<DynamicImage, String> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut own = ::image::Limits::default();
@@ -156,7 +157,7 @@ mod tests {
     use super::super::{Bits, Encoding, Format, encode};
     use super::*;
 
-    /// Every kind of number a film may hold, 11 by 3 pixels.
+    /// Returns a film of 11 by 3 pixels with every kind of number.
     fn film() -> Film {
         let mut film = Film::new(11, 3);
         for (i, p) in film.pixels.iter_mut().enumerate() {
@@ -185,7 +186,7 @@ mod tests {
         film.pixels.as_flattened().iter().map(|x| x.to_bits()).collect()
     }
 
-    /// Cases AC-06 (channels are of 32 bits, which 70,000 fits into), AC-07 of the catalogue.
+    /// Cases AC-06 (channels have 32 bits, which represent 70,000) and AC-07 of the catalogue.
     #[test]
     fn exr_and_pfm_give_back_every_bit() {
         let mut film = film();
@@ -306,7 +307,7 @@ mod tests {
             let whole = bytes(&film(), format, Bits::Sixteen);
             for end in 0..whole.len() {
                 let cut = decode(&whole[..end], Path::new("cut"), &ReadOptions::default());
-                // A PNG may do without its end chunk, and without the check sum of its deflate stream.
+                // A PNG is readable without its end chunk, and without the checksum of its deflate stream.
                 assert!(cut.is_err() || format == Format::Png, "{format:?} cut at {end} of {}", whole.len());
             }
             let limits = Limits { pixels: 1 << 20, ..Limits::default() };

@@ -1,6 +1,6 @@
 //! Structural similarity (Wang, Bovik, Sheikh & Simoncelli 2004), with that paper's constants.
 //!
-//! Our own since the published crates compare 8-bit pictures, which would round away what is to be measured.
+//! Implemented here because the published crates compare 8-bit pictures, whose rounding hides small differences.
 
 /// Half the width of the window: 11 by 11.
 const RADIUS: usize = 5;
@@ -10,14 +10,14 @@ const SIGMA: f64 = 1.5;
 const C1: f64 = 1e-4;
 const C2: f64 = 9e-4;
 
-/// Mean over channels and over all windows that lie wholly inside. The window narrows where the picture is smaller
-/// than it.
+/// Returns the mean over channels and over all windows that lie fully inside. The window shrinks if the picture is
+/// smaller.
 pub(super) fn ssim(a: &[[f64; 3]], b: &[[f64; 3]], width: usize, height: usize) -> f64 {
     let radius = RADIUS.min((width.min(height) - 1) / 2);
     let weights = gaussian(radius);
     let (columns, rows) = (width - 2 * radius, height - 2 * radius);
     let mut total = 0.0;
-    // Horizontal sums of one row, for each column: weighted a, b, a^2, b^2 and a b.
+    // For each column, the horizontal sums of one row: weighted a, b, a^2, b^2 and a b.
     let mut sums = vec![[0.0; 5]; columns * height];
     for channel in 0..3 {
         for (i, sum) in sums.iter_mut().enumerate() {
@@ -46,7 +46,7 @@ pub(super) fn ssim(a: &[[f64; 3]], b: &[[f64; 3]], width: usize, height: usize) 
     total / (3 * columns * rows) as f64
 }
 
-/// Weights at `-radius..=radius` that sum to 1.
+/// Returns Gaussian weights at `-radius..=radius` that sum to 1.
 fn gaussian(radius: usize) -> Vec<f64> {
     let weights: Vec<f64> =
         (0..=2 * radius).map(|i| i as f64 - radius as f64).map(|x| (-x * x / (2.0 * SIGMA * SIGMA)).exp()).collect();

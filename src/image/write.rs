@@ -1,4 +1,4 @@
-//! Files that are whole or not there at all.
+//! Atomic writing of files: a file is complete or absent.
 
 use std::fs::{File, Metadata, OpenOptions, Permissions};
 use std::io::{self, Write as _};
@@ -8,22 +8,22 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::part::{self, folder_of};
 use crate::{Error, Result};
 
-/// The temporary file that a write is busy with, for [`discard_unfinished`].
+/// Temporary file of the write in progress, for [`discard_unfinished`].
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 fn unfinished() -> MutexGuard<'static, Option<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary file of a write that is under way, for a process about to exit in its middle.
+/// Removes the temporary file of a write in progress, for a process that is about to exit.
 pub fn discard_unfinished() {
     if let Some(path) = unfinished().take() {
-        // Nothing is left to tell where this fails: the process is on its way out.
+        // A failure is ignored, because the process is about to exit.
         let _ = std::fs::remove_file(path);
     }
 }
 
-/// [`discard_unfinished`] for a thread that must not wait, since it may be the one that writes.
+/// Does the same as [`discard_unfinished`] without waiting, since the calling thread may be the one that writes.
 pub fn discard_unfinished_at_once() {
     if let Ok(mut unfinished) = UNFINISHED.try_lock()
         && let Some(path) = unfinished.take()
@@ -32,27 +32,27 @@ pub fn discard_unfinished_at_once() {
     }
 }
 
-/// A place for a file, found fit to be written.
+/// Destination of a file, checked to be writable.
 #[derive(Clone, Debug)]
 pub struct Destination {
-    /// As the user named it.
+    /// Name as given by the user.
     name: PathBuf,
     kind: Kind,
 }
 
 #[derive(Clone, Debug)]
 enum Kind {
-    /// A regular file, there or not, with symbolic links followed.
+    /// Regular file, existing or not, with symbolic links resolved.
     File { path: PathBuf, permissions: Option<Permissions> },
-    /// A device or pipe, which cannot be replaced by renaming.
+    /// Device or pipe, which cannot be replaced by renaming.
     Stream,
 }
 
 impl Destination {
-    /// Looks at `name` and its folder, so that a long job fails before it starts and not at its end.
+    /// Checks `name` and its folder, so that a long job fails before it starts.
     ///
     /// # Errors
-    /// Io: the folder is missing or may not be written to; `name` is a folder or a read-only file.
+    /// Returns [`Error::Io`] if the folder is missing or not writable, or if `name` is a folder or a read-only file.
     pub fn new(name: &Path) -> Result<Self> {
         let refuse = |kind: io::ErrorKind, why: &str| Error::io(name, "write", io::Error::new(kind, why));
         let system = |e| Error::io(name, "write", e);
@@ -78,7 +78,7 @@ impl Destination {
         };
         let destination = Self { name: name.to_path_buf(), kind };
         if let Kind::File { path, .. } = &destination.kind {
-            // The system is asked rather than its permission bits read: there are also full and read-only disks.
+            // A test write is made instead of reading permission bits: disks may also be full or read-only.
             tempfile::tempfile_in(folder_of(path)).map_err(|e| match e.kind() {
                 io::ErrorKind::NotFound if path != name => {
                     let why = format!("it is a link to {}, whose folder does not exist", path.display());
@@ -92,23 +92,24 @@ impl Destination {
         Ok(destination)
     }
 
-    /// The name as the user gave it.
+    /// Returns the name as given by the user.
     #[must_use]
     pub fn name(&self) -> &Path {
         &self.name
     }
 
-    /// Whether this is a device or pipe, to which bytes go at once and cannot be taken back.
+    /// Returns true for a device or pipe. Bytes are written to it at once and cannot be taken back.
     #[must_use]
     pub fn is_stream(&self) -> bool {
         matches!(self.kind, Kind::Stream)
     }
 
-    /// Puts `bytes` there: under a temporary name in the same folder, synced to the disk, then renamed. `proceed` is
-    /// asked right before the renaming; where it says no, nothing is left behind.
+    /// Writes `bytes` to a temporary file in the same folder, syncs it to the disk, and renames it. Calls `proceed`
+    /// right before the renaming; if that returns false, nothing is left behind.
     ///
     /// # Errors
-    /// Io; `Interrupted`, where `proceed` says no. The file that was there, if any, is then still the old one.
+    /// Returns [`Error::Io`], or [`Error::Interrupted`] if `proceed` returns false. An existing file then keeps its old
+    /// content.
     pub fn write(&self, bytes: &[u8], proceed: impl FnOnce() -> bool) -> Result<()> {
         let system = |e| Error::io(&self.name, "write", with_cure(without_path(e)));
         let Kind::File { path, permissions } = &self.kind else {
@@ -119,7 +120,7 @@ impl Destination {
             return stream.write_all(bytes).and_then(|()| stream.flush()).map_err(system);
         };
         let mut file = {
-            // Locked across creation, so that there is no moment at which the file exists and is not known.
+            // Locked across the creation, so that the file is registered at every moment at which it exists.
             let mut unfinished = unfinished();
             let file = part::create(path, permissions.is_none()).map_err(system)?;
             *unfinished = Some(file.path().to_path_buf());
@@ -127,7 +128,7 @@ impl Destination {
         };
         let filled = fill(file.as_file_mut(), bytes, permissions.as_ref()).map_err(system);
         let mut unfinished = unfinished();
-        // Taken from here on: after the renaming nothing must be removed, and before it the drop of `file` does it.
+        // From here on nothing is removed after the renaming; before it, dropping `file` removes it.
         *unfinished = None;
         filled?;
         if !proceed() {
@@ -146,9 +147,9 @@ fn fill(file: &mut File, bytes: &[u8], permissions: Option<&Permissions>) -> io:
     file.sync_all()
 }
 
-/// The place that a name which is not there stands for: the end of a chain of symbolic links, or the name itself.
+/// Returns the path that a missing name resolves to: the end of a chain of symbolic links, or the name itself.
 fn end_of_links(name: &Path) -> io::Result<PathBuf> {
-    /// As many as Linux follows.
+    /// Largest number of links followed, as in Linux.
     const MOST: usize = 40;
     let mut path = name.to_path_buf();
     for _ in 0..MOST {
@@ -160,7 +161,7 @@ fn end_of_links(name: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// The system's error, with the cure where it is about the limit on file sizes.
+/// Returns the system's error, with a cure if it is about the limit on file sizes.
 fn with_cure(e: io::Error) -> io::Error {
     if e.kind() == io::ErrorKind::FileTooLarge {
         return io::Error::new(
@@ -171,7 +172,7 @@ fn with_cure(e: io::Error) -> io::Error {
     e
 }
 
-/// The system's error without the temporary name that `tempfile` adds to it.
+/// Returns the system's error without the temporary name that `tempfile` adds.
 fn without_path(e: io::Error) -> io::Error {
     let source = e.get_ref().and_then(|inner| inner.source()).and_then(|source| source.downcast_ref::<io::Error>());
     match source.map(|source| (source.raw_os_error(), source.kind())) {

@@ -1,4 +1,4 @@
-//! A scene while it is being put together.
+//! Assembly of a scene from the parts of its file.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -15,49 +15,49 @@ use super::transform::flip;
 use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded, texture};
 use crate::geometry::topology::{self, Edges, weld};
-use crate::geometry::{Geometry, GeometryMask, Shape};
+use crate::geometry::{Geometry, Shape};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// Most objects that are inside out by themselves of which each is held against all others.
+/// Number of inside-out objects above which they are not compared with all others.
 const MOST_COMPARED: usize = 1000;
 
-/// A scene in the making, with what its parts share.
+/// Scene under construction, with state shared by its parts.
 pub(super) struct Assembly<'a> {
     pub(super) scene: Scene,
     pub(super) reporter: Reporter,
     pub(super) options: &'a LoadOptions,
     pub(super) root: Root,
-    /// Pictures already read, by path.
+    /// Pictures read so far, by path.
     pictures: HashMap<PathBuf, u32>,
     picture_bytes: u64,
     triangles: u64,
-    /// Objects whose dielectric is inside out by itself.
+    /// Objects whose dielectric mesh is inside out on its own.
     inside_out: Vec<(usize, InsideOut)>,
     /// Shapes in world coordinates.
     pending: Vec<Pending>,
-    /// Materials whose colour is a checker, with its corner in world coordinates and the edge of its cubes.
+    /// Materials with a checker, with its corner in world coordinates and the edge of its cubes.
     checkers: Vec<(usize, DVec3, f64)>,
 }
 
-/// A shape that waits for the scene's origin.
+/// Shape that waits for the scene's origin.
 pub(super) struct Pending {
     pub name: String,
     pub draft: Draft,
-    /// Place in `Scene::materials`.
+    /// Index into `Scene::materials`.
     pub material: u32,
     pub origin: Origin,
-    /// Bend in degrees up to which faces without normals are shaded smoothly.
+    /// Largest angle in degrees between faces without normals that are shaded smoothly.
     pub smooth: Option<f64>,
-    /// True if it is to be turned inside out.
+    /// True if the shape is to be turned inside out.
     pub flip: bool,
 }
 
 impl<'a> Assembly<'a> {
-    /// An empty scene for the file `path`, with air around it.
+    /// Creates an empty scene for the file `path`, surrounded by air.
     pub(super) fn new(path: &Path, options: &'a LoadOptions) -> Result<Self> {
-        // So that a scene that is not there is named itself and not its folder.
+        // Checked first, so that an error for a missing scene names the scene and not its folder.
         std::fs::metadata(path).map_err(|e| Error::io(path, "read", e))?;
         let folder = options.root.as_deref().unwrap_or_else(|| super::source::folder_of(path));
         Ok(Self {
@@ -74,22 +74,25 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Adds a medium and gives its place.
+    /// Adds a medium and returns its index.
     pub(super) fn add_medium(&mut self, medium: Medium) -> u32 {
         self.scene.media.push(medium);
         self.scene.media.len() as u32 - 1
     }
 
-    /// Adds a material and gives its place.
+    /// Adds a material and returns its index.
     pub(super) fn add_material(&mut self, material: Material) -> Result<u32> {
         if self.scene.materials.len() >= self.options.limits.objects {
-            return Err(Error::Limit(format!("the scene has more than {} materials", self.options.limits.objects)));
+            return Err(Error::Limit(format!(
+                "the scene has more than {} materials; leave out those that nothing uses",
+                self.options.limits.objects
+            )));
         }
         self.scene.materials.push(material);
         Ok(self.scene.materials.len() as u32 - 1)
     }
 
-    /// Reads a picture once and gives its place.
+    /// Reads a picture once and returns its index.
     pub(super) fn picture(&mut self, path: &Path) -> Result<u32> {
         if let Some(&place) = self.pictures.get(path) {
             return Ok(place);
@@ -112,35 +115,40 @@ impl<'a> Assembly<'a> {
         Ok(place)
     }
 
-    /// Takes `count` more triangles on.
+    /// Reserves `count` more triangles.
     ///
     /// # Errors
-    /// `Limit`, where that is too many.
+    /// Returns [`Error::Limit`] if the scene gets too many.
     pub(super) fn take_triangles(&mut self, count: u64) -> Result<()> {
         self.triangles = self.triangles.saturating_add(count);
         let limit = self.options.limits.triangles;
         if self.triangles > limit {
-            return Err(Error::Limit(format!("the scene has more than {limit} triangles")));
+            return Err(Error::Limit(format!(
+                "the scene has more than {limit} triangles; take coarser models or shapes"
+            )));
         }
         Ok(())
     }
 
-    /// Notes that the material to be added next has a checker with this corner and edge.
+    /// Records that the next material has a checker with this corner and edge.
     pub(super) fn add_checker(&mut self, corner: DVec3, size: f64) {
         self.checkers.push((self.scene.materials.len(), corner, size));
     }
 
-    /// Adds a shape; it becomes part of the scene when that is settled.
+    /// Adds a shape, which becomes part of the scene in [`Self::settle`].
     pub(super) fn add(&mut self, shape: Pending) -> Result<()> {
         if self.pending.len() >= self.options.limits.objects {
-            return Err(Error::Limit(format!("the scene has more than {} shapes", self.options.limits.objects)));
+            return Err(Error::Limit(format!(
+                "the scene has more than {} shapes; join them into fewer models",
+                self.options.limits.objects
+            )));
         }
         self.pending.push(shape);
         Ok(())
     }
 
-    /// Chooses the scene's origin, and puts all shapes where they are as seen from there. `sight` is eye and target of the
-    /// camera, which decide where all shapes are planes; without it the scene is a model by itself, whose unit is free.
+    /// Chooses the scene's origin and moves all shapes relative to it. `sight` is the camera's eye and target, which
+    /// decide if all shapes are planes. Without it the scene is a single model, whose unit may be changed.
     pub(super) fn settle(&mut self, sight: Option<[DVec3; 2]>) -> Result<Frame> {
         let shapes = std::mem::take(&mut self.pending);
         let mut extents: Vec<Extent> = shapes.iter().map(|s| s.draft.extent()).collect();
@@ -159,7 +167,7 @@ impl<'a> Assembly<'a> {
         for &(material, corner, size) in &self.checkers {
             if let Some(Colour::Checker { offset, .. }) = self.scene.materials.get_mut(material).map(|m| &mut m.diffuse)
             {
-                // A model by itself has none, so that the unit is the world's.
+                // A single model has no checker, so the unit is the world's.
                 *offset = frame.checker_corner(corner, size).as_vec3();
             }
         }
@@ -178,7 +186,7 @@ impl<'a> Assembly<'a> {
         Ok(frame)
     }
 
-    /// Warns of shapes that lose more of their size to rounding than can be borne, the worst first.
+    /// Warns about shapes that lose too much of their size to rounding, the worst first.
     fn warn_of_losses(&mut self, shapes: &[Pending], bulks: &[Extent], frame: Frame) -> Result<()> {
         let losses = shapes.iter().zip(bulks).filter_map(|(s, e)| Some((s, Loss::of(e, frame)?)));
         let mut large: Vec<(&Pending, Loss)> = losses.filter(|(_, loss)| loss.is_large()).collect();
@@ -205,10 +213,10 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Puts a shape into the scene, and warns of what its material asks of it in vain.
+    /// Adds a shape to the scene, and warns if its material needs data that the shape lacks.
     fn place(&mut self, name: String, shape: Shape, material: u32, origin: Origin) -> Result<()> {
         let surface = &self.scene.materials[material as usize];
-        let mask = if surface.is_transmissive() { GeometryMask::TRANSMISSIVE } else { GeometryMask::OPAQUE };
+        let mask = surface.mask();
         let dielectric = matches!(surface.interface, Interface::Dielectric { .. });
         let pictured = matches!(surface.diffuse, Colour::Image { .. });
         let file = PathBuf::from(&origin.file);
@@ -244,7 +252,7 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
-    /// Settles which closed dielectrics are inside out, as only the whole scene shows.
+    /// Decides which closed dielectrics are inside out, once the whole scene is known.
     fn settle_hulls(&mut self) {
         let found = std::mem::take(&mut self.inside_out);
         let turned: HashSet<usize> = found.iter().map(|&(object, _)| object).collect();
@@ -255,20 +263,17 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Returns true if an object lies within another one of the same medium: it is the wall of a hollow in it, and its
-    /// faces rightly point inwards. Objects of the list `turned` do not count as the other one.
+    /// Returns true if an object lies within another one of the same medium. It is then the wall of a hollow, and its
+    /// faces rightly point inwards. Objects in `turned` do not count as the other one.
     fn is_hollow(&self, object: usize, turned: &HashSet<usize>) -> bool {
-        let medium = |o: usize| match self.scene.materials[self.scene.objects[o].material as usize].interface {
-            Interface::Dielectric { medium, .. } => Some(&self.scene.media[medium as usize]),
-            _ => None,
-        };
+        let medium = |o: usize| self.scene.medium_of(o).map(|m| &self.scene.media[m as usize]);
         let bounds = |o: usize| match &self.scene.geometry[o].shape {
             Shape::Mesh(mesh) => Some(mesh.bounds()),
             Shape::Sphere(sphere) => Some(sphere.bounds()),
             Shape::Plane(_) => None,
         };
         let (Some(inner), Some(hollow)) = (medium(object), bounds(object)) else { return false };
-        let same = |m: &Medium| (m.ior, m.dispersion, m.absorption) == (inner.ior, inner.dispersion, inner.absorption);
+        let same = |m: &Medium| m.is_like(inner);
         (0..self.scene.objects.len()).any(|o| {
             !turned.contains(&o)
                 && medium(o).is_some_and(same)
@@ -276,14 +281,14 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// The scene and its report.
+    /// Returns the scene and its report.
     pub(super) fn finish(mut self) -> Loaded {
         self.settle_hulls();
         Loaded { scene: self.scene, report: self.reporter.finish() }
     }
 }
 
-/// A number to three digits.
+/// Formats a number with three digits.
 fn few_digits(x: f64) -> String {
     if x == 0.0 || (1e-3..1e5).contains(&x.abs()) {
         let places = (2 - x.abs().max(1e-3).log10().floor() as i32).max(0) as usize;

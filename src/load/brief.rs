@@ -1,12 +1,12 @@
-//! Messages that stay readable whatever the input they quote.
+//! Shortening of messages that quote long input.
 
-/// Characters of a message; those of one that quotes nothing long are far fewer.
+/// Largest number of characters of a message; messages without long quotes are far shorter.
 const MOST: usize = 600;
 
-/// Characters of a number that is shown as it is.
+/// Largest number of digits of a number shown in full.
 const MOST_DIGITS: usize = 40;
 
-/// The text with numbers of more than 40 digits, as `1e300` is when it is written out, in scientific notation.
+/// Returns the text with numbers of more than 40 digits, such as a written-out `1e300`, in scientific notation.
 pub(crate) fn plain_numbers(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -25,7 +25,7 @@ pub(crate) fn plain_numbers(text: &str) -> String {
     out + rest
 }
 
-/// The message on one line, its numbers short, its middle left out where it is too long to read.
+/// Returns the message on one line, with short numbers, and without its middle if it is too long.
 pub(super) fn brief(message: String) -> String {
     let message = plain_numbers(&message);
     let message = if message.contains(char::is_control) { message.replace(char::is_control, " ") } else { message };

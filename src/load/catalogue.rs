@@ -1,30 +1,29 @@
-//! Substances by name: refractive indices, how they depend on the wavelength, and metals' complex indices.
+//! Catalogue of substances: refractive indices, dispersion curves, and complex indices of metals.
 //!
-//! Names are found whatever their case, spaces, underscores and hyphens.
+//! Lookup of names ignores case, spaces, underscores and hyphens.
 
 use glam::Vec3;
 
 use super::suggest::hint;
 use crate::scene::Dispersion;
 
-/// A transparent substance.
+/// Transparent substance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transparent {
-    /// Its names; the first is the usual one.
+    /// Names; the first is the usual one.
     pub names: &'static [&'static str],
     /// Refractive index against air, near 587.6 nm (helium d) unless the source says otherwise.
     pub ior: f64,
-    /// How the index depends on the wavelength, where that is known; at 587.6 nm it is `ior` to within what the source
-    /// of `ior` rounds.
+    /// Dispersion curve, if known. At 587.6 nm it equals `ior` to within the rounding of the source of `ior`.
     pub dispersion: Dispersion,
-    /// Where the numbers are from.
+    /// Source of the numbers.
     pub source: &'static str,
 }
 
-/// A metal, as three complex indices.
+/// Metal with complex indices for three channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
-    /// Its names; the first is the usual one.
+    /// Names; the first is the usual one.
     pub names: &'static [&'static str],
     /// Real part of the index for red, green and blue.
     pub eta: Vec3,
@@ -36,12 +35,12 @@ const fn clear(names: &'static [&'static str], ior: f64, dispersion: Dispersion,
     Transparent { names, ior, dispersion, source }
 }
 
-/// Three of Sellmeier's terms, as glass makers print them: all `B`, then all `C`.
+/// Creates a curve of three Sellmeier terms as glass makers print them: all `B`, then all `C`.
 const fn glass(b: [f64; 3], c: [f64; 3]) -> Dispersion {
     Dispersion::Sellmeier([[b[0], c[0]], [b[1], c[1]], [b[2], c[2]], [0.0, 0.0]])
 }
 
-/// Three of Sellmeier's terms by their resonances in micrometres, the square roots of `C`.
+/// Creates a curve of three Sellmeier terms by their resonances in micrometres, the square roots of `C`.
 const fn resonances(b: [f64; 3], um: [f64; 3]) -> Dispersion {
     glass(b, [um[0] * um[0], um[1] * um[1], um[2] * um[2]])
 }
@@ -154,10 +153,10 @@ pub const TRANSPARENT: &[Transparent] = &[
 
 /// Metals, from the measured spectra of Palik, "Handbook of Optical Constants of Solids" (gold, silver, copper and
 /// aluminium 1985, chromium 1991). The reflectance of white light (D65) was integrated over the spectrum against the
-/// CIE 1931 matching functions, per channel of linear sRGB. `eta` and `k` have that reflectance at normal incidence, and
-/// are nearest to it over all other angles: within 0.005. Gold's red lies outside of what the screen's primaries can
-/// mix (1.021); it is the highest reflectance that `eta` = 0.001 allows.
-/// `tests/optics/metals_by_spectrum.rs` has the spectra and the integration.
+/// CIE 1931 matching functions, per channel of linear sRGB. `eta` and `k` reproduce that reflectance at normal
+/// incidence, and approximate it best at all other angles: within 0.005. Gold's red lies outside the sRGB gamut
+/// (1.021); its value is the highest reflectance that `eta` = 0.001 allows. `tests/optics/metals_by_spectrum.rs`
+/// contains the spectra and the integration.
 pub const METALS: &[Metal] = &[
     Metal { names: &["silver", "ag"], eta: Vec3::new(0.129_3, 0.125_2, 0.151_3), k: Vec3::new(4.105_8, 3.35, 2.412_3) },
     Metal { names: &["gold", "au"], eta: Vec3::new(0.001, 0.412_3, 1.564_8), k: Vec3::new(3.391_7, 2.348_5, 1.723_8) },
@@ -178,18 +177,18 @@ pub const METALS: &[Metal] = &[
     },
 ];
 
-/// The transparent substance of that name.
+/// Finds a transparent substance by name.
 ///
 /// # Errors
-/// A message that names the nearest one.
+/// Returns a message that suggests the nearest name.
 pub fn transparent(name: &str) -> Result<&'static Transparent, String> {
     find(TRANSPARENT, |t| t.names, name, "glass or liquid")
 }
 
-/// The metal of that name.
+/// Finds a metal by name.
 ///
 /// # Errors
-/// A message that names the nearest one.
+/// Returns a message that suggests the nearest name.
 pub fn metal(name: &str) -> Result<&'static Metal, String> {
     find(METALS, |m| m.names, name, "metal")
 }

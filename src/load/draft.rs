@@ -1,4 +1,4 @@
-//! Shapes where their files put them: world coordinates in `f64`, before the scene's origin is known.
+//! Shapes in world coordinates in `f64`, before the scene's origin is known.
 
 use glam::DVec3;
 
@@ -6,22 +6,22 @@ use super::extent::{Extent, WIDEST, within};
 use super::origin::Frame;
 use crate::geometry::{Plane, Shape, Sphere, TriMesh};
 
-/// Corners of a mesh that are looked at to see where most of it lies.
+/// Number of corners of a mesh that are examined to find its bulk.
 const SAMPLE: usize = 1024;
-/// One in so many corners may stray to either side, along each axis.
+/// One in this many corners may be an outlier on either side, along each axis.
 const STRAY: usize = 20;
 
-/// A place as `f32` has it, unless all digits are to be kept.
+/// Rounds a position to `f32`, unless `keep` preserves all digits.
 pub(super) fn rounded(place: DVec3, keep: bool) -> DVec3 {
     if keep { place } else { place.as_vec3().as_dvec3() }
 }
 
-/// A mesh whose corners are places in the world.
+/// Mesh in world coordinates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshDraft {
-    /// The later positions of `mesh`.
+    /// Positions, later copied to `mesh`.
     pub corners: Vec<DVec3>,
-    /// All else; no positions yet.
+    /// All other data; no positions yet.
     pub mesh: TriMesh,
 }
 
@@ -30,7 +30,7 @@ impl MeshDraft {
         Extent::around(self.corners.iter().copied())
     }
 
-    /// The box around most of it: a few stray corners far away count for nothing.
+    /// Returns the box around most of the mesh, which ignores a few distant corners.
     fn bulk(&self) -> Extent {
         let step = self.corners.len() / SAMPLE + 1;
         let sample: Vec<DVec3> = self.corners.iter().step_by(step).copied().filter(|&p| within(p, WIDEST)).collect();
@@ -47,15 +47,15 @@ impl MeshDraft {
         if bulk.size() > 0.0 { bulk } else { self.extent() }
     }
 
-    /// Rounds the corners to `f32`, as a file's numbers and the corners of built-in shapes are before they are moved,
-    /// except where the mesh is far.
+    /// Rounds the corners to `f32`, except where the mesh is far. The numbers of a file and the corners of built-in
+    /// shapes are rounded before they are moved.
     pub(super) fn round_unless_far(&mut self) {
         if self.extent().suits_f32() {
             self.corners.iter_mut().for_each(|p| *p = rounded(*p, false));
         }
     }
 
-    /// The mesh as seen in `frame`.
+    /// Returns the mesh in `frame`.
     fn settle(self, frame: Frame) -> TriMesh {
         let positions = self.corners.iter().map(|&p| frame.shifted(p).as_vec3()).collect();
         TriMesh { positions, ..self.mesh }
@@ -69,7 +69,7 @@ impl From<TriMesh> for MeshDraft {
     }
 }
 
-/// An exact sphere.
+/// Exact sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ball {
     pub centre: DVec3,
@@ -77,7 +77,7 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// The sphere that a file gives, rounded to `f32` as [`MeshDraft::round_unless_far`] rounds meshes.
+    /// Creates the sphere given by a file, rounded to `f32` as [`MeshDraft::round_unless_far`] rounds meshes.
     pub(super) fn new(centre: DVec3, radius: f64) -> Self {
         let exact = Self { centre, radius: f64::from(radius as f32) };
         Self { centre: rounded(centre, !exact.extent().suits_f32()), ..exact }
@@ -88,25 +88,26 @@ impl Ball {
     }
 }
 
-/// An infinite plane.
+/// Infinite plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Flat {
-    /// A place on it.
+    /// Point on the plane.
     pub point: DVec3,
-    /// Its unit normal.
+    /// Unit normal.
     pub normal: DVec3,
-    /// The same, each number rounded to `f32` before and after it was moved.
+    /// The same plane with each number rounded to `f32` before and after it was moved.
     pub near: Plane,
 }
 
 impl Flat {
-    /// The same from its other side.
+    /// Returns the plane with its sides exchanged.
     pub(super) fn flipped(self) -> Self {
         let near = Plane { normal: -self.near.normal, ..self.near };
         Self { normal: -self.normal, near, ..self }
     }
 
-    /// The plane as seen in `frame`: by its place next to the origin, so that no digits of a far one count.
+    /// Returns the plane in `frame`, held by its point nearest to the origin, so that the digits of a distant point do
+    /// not matter.
     pub(super) fn settle(self, frame: Frame) -> Plane {
         if frame == Frame::at(DVec3::ZERO) {
             return self.near;
@@ -115,13 +116,13 @@ impl Flat {
         Plane { point: foot.as_vec3(), ..self.near }
     }
 
-    /// The place on it next to `place`.
+    /// Returns the point on the plane nearest to `place`.
     pub(super) fn foot(&self, place: DVec3) -> DVec3 {
         place + self.normal * (self.point - place).dot(self.normal)
     }
 }
 
-/// A shape.
+/// Shape in world coordinates.
 #[derive(Clone, Debug)]
 pub(super) enum Draft {
     Mesh(MeshDraft),
@@ -130,7 +131,7 @@ pub(super) enum Draft {
 }
 
 impl Draft {
-    /// The box around it; empty for a plane, which has none.
+    /// Returns the box around the shape; empty for a plane.
     pub(super) fn extent(&self) -> Extent {
         match self {
             Self::Mesh(mesh) => mesh.extent(),
@@ -139,7 +140,7 @@ impl Draft {
         }
     }
 
-    /// The box around most of it.
+    /// Returns the box around most of the shape.
     pub(super) fn bulk(&self) -> Extent {
         match self {
             Self::Mesh(mesh) => mesh.bulk(),
@@ -147,7 +148,7 @@ impl Draft {
         }
     }
 
-    /// The shape as seen in `frame`.
+    /// Returns the shape in `frame`.
     pub(super) fn settle(self, frame: Frame) -> Shape {
         match self {
             Self::Mesh(mesh) => Shape::Mesh(mesh.settle(frame)),

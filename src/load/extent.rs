@@ -1,14 +1,14 @@
-//! Boxes around shapes in world coordinates, and what of them `f32` can hold.
+//! Bounding boxes in world coordinates, and tests of their precision in `f32`.
 
 use glam::DVec3;
 
-/// Distance from 0, in its own sizes, from which a thing counts as far. Nearer ones lose no more than 4e-6 of their size
-/// as `f32`.
+/// Distance from 0, in units of an object's size, above which it counts as far. Nearer objects lose at most 4e-6 of
+/// their size in `f32`.
 pub(super) const FAR: f64 = 64.0;
-/// The largest magnitude of a coordinate of a model by itself, whose unit is free: squares stay finite in `f64`.
+/// Largest coordinate of a single model, whose unit may be changed; its square is finite in `f64`.
 pub(super) const WIDEST: f64 = 1e150;
 
-/// A box in world coordinates.
+/// Bounding box in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     pub lo: DVec3,
@@ -16,10 +16,10 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The box around nothing.
+    /// Box around nothing.
     pub(super) const EMPTY: Self = Self { lo: DVec3::INFINITY, hi: DVec3::NEG_INFINITY };
 
-    /// The box around those of the places that have one: neither infinite nor no number.
+    /// Returns the box around the finite positions.
     pub(super) fn around(places: impl Iterator<Item = DVec3>) -> Self {
         places.filter(|&p| within(p, WIDEST)).fold(Self::EMPTY, |b, p| Self { lo: b.lo.min(p), hi: b.hi.max(p) })
     }
@@ -32,7 +32,7 @@ impl Extent {
         self.lo.x > self.hi.x
     }
 
-    /// Its longest side.
+    /// Returns the longest side.
     pub(super) fn size(&self) -> f64 {
         (self.hi - self.lo).max_element()
     }
@@ -41,23 +41,23 @@ impl Extent {
         (self.lo + self.hi) * 0.5
     }
 
-    /// The largest magnitude of a coordinate in it, from `origin`.
+    /// Returns the largest coordinate of the box relative to `origin`, by magnitude.
     pub(super) fn reach(&self, origin: DVec3) -> f64 {
         (self.lo - origin).abs().max((self.hi - origin).abs()).max_element()
     }
 
-    /// Returns true if a coordinate exceeds 64 times its size.
+    /// Returns true if a coordinate exceeds 64 times the size.
     pub(super) fn is_far(&self) -> bool {
         !self.is_empty() && self.reach(DVec3::ZERO) > FAR * self.size()
     }
 
-    /// Returns true if `f32` holds its points to within 4e-6 of its size: it is neither far nor next to nothing.
+    /// Returns true if `f32` represents the box's points to within 4e-6 of its size: it is neither far nor tiny.
     pub(super) fn suits_f32(&self) -> bool {
         !self.is_far() && self.size() > f64::from(f32::MIN_POSITIVE) * f64::from(1 << 24)
     }
 }
 
-/// Returns true if no coordinate is beyond `limit`.
+/// Returns true if no coordinate exceeds `limit`.
 pub(super) fn within(p: DVec3, limit: f64) -> bool {
     p.abs().cmple(DVec3::splat(limit)).all()
 }

@@ -1,8 +1,8 @@
-//! From files to a [`Scene`]: scene TOML, OBJ with MTL, pictures, built-in shapes. The only room that knows what
-//! files look like.
+//! Loading of files into a [`Scene`]: scene TOML, OBJ with MTL, pictures, built-in shapes. File formats are defined
+//! only in this room.
 //!
-//! Wrong input is an error that names file, line and value. What can be understood all the same is a warning,
-//! counted in the [`LoadReport`]; nothing is repaired in silence.
+//! Wrong input is an error that names file, line and value. Input that is odd but usable is a warning, counted in the
+//! [`LoadReport`]. Nothing is repaired silently.
 
 mod assembly;
 mod brief;
@@ -26,43 +26,44 @@ pub use report::{Hull, LoadReport, Model, Warning};
 pub use texture::picture;
 pub use transform::Transform;
 
-pub(crate) use brief::plain_numbers;
+#[cfg(feature = "cli")]
+pub(crate) use {brief::plain_numbers, suggest::hint};
+
 use std::path::{Path, PathBuf};
-pub(crate) use suggest::hint;
 
 use crate::image::MOST_PIXELS;
 use crate::scene::Scene;
 use crate::{Error, Result};
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
-    /// Whether a warning is an error.
+    /// Treats warnings as errors.
     pub strict: bool,
-    /// The folder that every file a scene names must lie in; the scene file's own where none is given.
+    /// Folder that must contain every file a scene names; by default that of the scene file.
     pub root: Option<PathBuf>,
-    /// How much is taken on.
+    /// Limits on the input.
     pub limits: Limits,
 }
 
-/// How much is taken on before loading stops with `Error::Limit`.
+/// Limits on the input, beyond which loading fails with `Error::Limit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes of one file.
+    /// Largest number of bytes of one file.
     pub file_bytes: u64,
-    /// Bytes of one line of a model file.
+    /// Largest number of bytes of one line of a model file.
     pub line_bytes: usize,
-    /// Positions, normals or texture coordinates of one model file, each.
+    /// Largest number of positions, of normals and of texture coordinates of one model file.
     pub vertices: u64,
-    /// Triangles of a whole scene.
+    /// Largest number of triangles of a scene.
     pub triangles: u64,
-    /// Shapes, lights or materials of a whole scene, each.
+    /// Largest number of shapes, of lights and of materials of a scene.
     pub objects: usize,
-    /// Edge of a picture that is read, in pixels.
+    /// Largest edge of a picture that is read, in pixels.
     pub texture_edge: u32,
-    /// Bytes of all decoded pictures together.
+    /// Largest number of bytes of all decoded pictures together.
     pub texture_bytes: u64,
-    /// Pixels of the picture to render.
+    /// Largest number of pixels of the picture to render.
     pub film_pixels: u64,
 }
 
@@ -81,23 +82,25 @@ impl Default for Limits {
     }
 }
 
-/// A scene and what was odd about its files.
+/// Loaded scene with a report on its files.
 #[derive(Clone, Debug)]
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
-    /// Warnings, dropped faces, defaults.
+    /// Warnings, dropped faces and defaults.
     pub report: LoadReport,
 }
 
-/// Reads a scene file (`.toml`), or a model file (`.obj`) with a camera fitted to it, a default light and a sky.
+/// Reads a scene file (`.toml`), or a model file (`.obj`) with a fitted camera, default lights and a sky.
 ///
 /// # Errors
-/// `Input` or `File` for what is wrong in a file, `Io` where one cannot be read, `Limit` where one asks for too much.
+/// - [`Error::Input`] or [`Error::File`] for wrong content.
+/// - [`Error::Io`] if a file cannot be read.
+/// - [`Error::Limit`] if a file exceeds a limit.
 pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => document::load(path, options),
         Some("obj") => model::load(path, options),
-        _ => Err(Error::file(path, "is neither a scene (.toml) nor a model (.obj)")),
+        _ => Err(Error::file(path, "is neither a scene (.toml) nor a model (.obj); give one of these")),
     }
 }

@@ -1,4 +1,4 @@
-//! A model file by itself: a camera that shows all of it, two lights and a sky.
+//! Scenes made from a single model file: a camera that shows all of it, two lights and a sky.
 
 use std::f32::consts::PI;
 use std::path::Path;
@@ -15,10 +15,10 @@ use crate::{Error, Result};
 
 /// Full vertical angle of view, in degrees.
 const VFOV: f32 = 40.0;
-/// From the model to the camera: from the front, to the right and above.
+/// Direction from the model to the camera: front, right and above.
 const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
-/// Reads a model and makes a scene of it.
+/// Reads a model and builds a scene around it.
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     let mut assembly = Assembly::new(path, options)?;
     let request = obj::Request {
@@ -48,13 +48,13 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     Ok(assembly.finish())
 }
 
-/// A three-quarter view that the whole box's sphere fits into, whatever its size.
+/// Returns a three-quarter view that contains the bounding box's sphere at any size.
 fn fitted(bounds: &Aabb) -> Camera {
     let (lo, hi) = (bounds.lo.as_dvec3(), bounds.hi.as_dvec3());
     let centre = (lo + hi) * 0.5;
     let radius = (hi - lo).length() * 0.5;
     if !(radius > 0.0 && radius.is_finite()) {
-        // Nothing that can be seen.
+        // Nothing is visible.
         return Camera::default();
     }
     let distance = 1.05 * radius / (f64::from(VFOV).to_radians() * 0.5).sin();
@@ -67,8 +67,8 @@ fn fitted(bounds: &Aabb) -> Camera {
     }
 }
 
-/// A key light over the camera's left shoulder and a weak one from the other side without shadows, so that no side
-/// of the model is black. The key light shows a facing white surface as white.
+/// Returns a key light over the camera's left shoulder, and a weak light without shadows from the other side so that no
+/// side is black. The key light shows a facing white surface as white.
 fn lights() -> Vec<Light> {
     let light = |name: &str, direction: Vec3, strength: f32, shadows| Light {
         name: name.to_owned(),

@@ -1,28 +1,28 @@
-//! The scene's origin: the place in the world that its `f32` coordinates count from.
+//! Origin of the scene: the world position at which its `f32` coordinates are 0.
 
 use glam::DVec3;
 
 use super::extent::Extent;
 use crate::math::ulp;
 
-/// Share of the size of a shape that rounding may take before it is worth a warning.
+/// Share of a shape's size above which rounding causes a warning.
 const TOLERABLE: f64 = 1e-3;
 
-/// The rounding of a shape's coordinates against its size.
+/// Rounding of a shape's coordinates compared with its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Loss {
-    /// By how much they are rounded, at most.
+    /// Largest rounding error of a coordinate.
     pub rounding: f64,
-    /// Its longest side.
+    /// Longest side of the shape.
     pub size: f64,
-    /// Its largest coordinate, from the scene's origin.
+    /// Largest coordinate relative to the scene's origin.
     pub reach: f64,
-    /// True if `f64` rounds them by more than `f32` does afterwards.
+    /// True if rounding to `f64` loses more than rounding to `f32` afterwards.
     pub as_read: bool,
 }
 
 impl Loss {
-    /// The loss of the shape in a box in `frame`; none for planes.
+    /// Returns the loss of a shape with the bounding box `extent` in `frame`, or `None` for planes.
     pub(super) fn of(extent: &Extent, frame: Frame) -> Option<Self> {
         if extent.is_empty() {
             return None;
@@ -34,23 +34,24 @@ impl Loss {
         Some(Self { rounding: narrow + wide, size: extent.size(), reach, as_read: wide > narrow })
     }
 
-    /// As a share of its size.
+    /// Returns the rounding error relative to the size.
     pub(super) fn share(&self) -> f64 {
         self.rounding / self.size
     }
 
-    /// Returns true if it is worth a warning.
+    /// Returns true if the loss deserves a warning.
     pub(super) fn is_large(&self) -> bool {
         self.rounding > TOLERABLE * self.size
     }
 }
 
-/// The origin of a scene of shapes in the boxes `extents`, most of each in one of `bulks`: 0, unless a coordinate exceeds 64
-/// times the extent of all of them together, or another origin spares every shape a loss that is worth a warning.
+/// Chooses the origin of a scene of shapes with boxes `extents`, most of each in one of `bulks`. It is 0, with two
+/// exceptions: a coordinate exceeds 64 times the extent of all shapes, or another origin spares every shape a loss that
+/// deserves a warning.
 ///
-/// It is the middle of all (or, where that alone spares the loss, of the shape that loses most), rounded to a multiple of the
-/// largest power of two that is no larger than the extent: a number of few digits, from which no coordinate exceeds the
-/// extent. Subtracting it in `f64` loses nothing.
+/// It is then the middle of all shapes or, if only that spares the loss, of the shape that loses most. It is rounded to
+/// a multiple of the largest power of two within the extent. So it has few digits, no coordinate relative to it exceeds
+/// the extent, and subtracting it in `f64` is exact.
 pub(super) fn choose(extents: &[Extent], bulks: &[Extent]) -> DVec3 {
     let whole = extents.iter().fold(Extent::EMPTY, |all, e| all.union(*e));
     if whole.is_empty() {
@@ -67,65 +68,65 @@ pub(super) fn choose(extents: &[Extent], bulks: &[Extent]) -> DVec3 {
     [middle, self::middle(worst)].into_iter().find(spares_all).unwrap_or(DVec3::ZERO)
 }
 
-/// The middle of a box, rounded to a multiple of the largest power of two within its longest side.
+/// Returns the middle of a box, rounded to a multiple of the largest power of two within its longest side.
 fn middle(extent: &Extent) -> DVec3 {
     let middle = extent.centre();
     if extent.size() <= 0.0 {
         return middle;
     }
     let step = extent.size().log2().floor().exp2();
-    // Beyond the digits of f64 it is a multiple already.
+    // Beyond the digits of f64 it already is a multiple.
     let round = |x: f64| if x.abs() < step * 2f64.powi(52) { (x / step).round() * step } else { x };
     DVec3::new(round(middle.x), round(middle.y), round(middle.z))
 }
 
-/// The exponent of the unit for a model by itself, in which all lengths may be scaled alike: that of its extent where
-/// areas or volumes of the world's unit would leave the range of `f32`, or lengths the range in which Embree finds
-/// anything; else 0.
+/// Returns the exponent of the unit for a single model, whose lengths may all be scaled alike. It is that of the
+/// model's extent in two cases: areas or volumes in the world's unit would leave the range of `f32`, or lengths the
+/// range in which Embree finds hits. Otherwise it is 0.
 pub(super) fn unit_exponent(extents: &[Extent]) -> i32 {
     let size = extents.iter().fold(Extent::EMPTY, |all, e| all.union(*e)).size();
     let exponent = if size > 0.0 { size.log2().floor() as i32 } else { 0 };
     if exponent.abs() > 36 { exponent } else { 0 }
 }
 
-/// World coordinates to those of the scene.
+/// Conversion between world coordinates and those of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     pub origin: DVec3,
-    /// A length of 1 in the scene is 2 to this power in the world.
+    /// Exponent of the unit: a length of 1 in the scene is 2 to this power in the world.
     pub unit_exponent: i32,
 }
 
 impl Frame {
-    /// The frame of an origin, in the world's unit.
+    /// Returns the frame of an origin, in the world's unit.
     pub(super) fn at(origin: DVec3) -> Self {
         Self { origin, unit_exponent: 0 }
     }
 
-    /// Length in the world of 1 in the frame.
+    /// Returns the length in the world of 1 in the frame.
     pub(super) fn unit(self) -> f64 {
         f64::from(self.unit_exponent).exp2()
     }
 
-    /// A place as seen from the origin, as `f32` has it where that is 0.
+    /// Converts a position to the frame. Rounds it to `f32` if the frame is the world.
     pub(super) fn local(self, place: DVec3) -> DVec3 {
         let near = self.origin == DVec3::ZERO && self.unit_exponent == 0;
         if near { place.as_vec3().as_dvec3() } else { self.shifted(place) }
     }
 
-    /// A place as seen from the origin.
+    /// Converts a position to the frame.
     pub(super) fn shifted(self, place: DVec3) -> DVec3 {
-        // By a power of two: without rounding.
+        // Scaling by a power of two is exact.
         (place - self.origin) * f64::from(-self.unit_exponent).exp2()
     }
 
-    /// World coordinates of a place as seen from the origin.
+    /// Converts a position in the frame to world coordinates.
     pub(super) fn world(self, local: DVec3) -> DVec3 {
         local * self.unit() + self.origin
     }
 
-    /// A corner where cubes of two colours meet, as seen from the origin: of all that make the same pattern, one near it.
-    /// `size` is the edge of a cube.
+    /// Returns, in the frame, a checker corner near the origin that gives the same pattern. `size` is the edge of a
+    /// cube.
     pub(super) fn checker_corner(self, corner: DVec3, size: f64) -> DVec3 {
         if self.origin == DVec3::ZERO {
             return corner;

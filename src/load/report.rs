@@ -1,4 +1,4 @@
-//! What was odd about the input: warnings, counted and never repeated, and what was left out or filled in.
+//! Report on the input: warnings, counted once per kind, and data that was left out or filled in.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
@@ -7,19 +7,19 @@ use std::path::{Path, PathBuf};
 use super::brief::brief;
 use crate::{Error, Result};
 
-/// Different warnings kept with their own text; what comes after them is only counted.
+/// Number of different warnings kept with their own text; further ones are only counted.
 const DISTINCT_WARNINGS: usize = 200;
 
-/// One kind of oddity in one file.
+/// Warning of one kind in one file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// The file, as the user named it.
+    /// File, as named by the user.
     pub file: PathBuf,
-    /// Line of the first one, from 1; 0 where it concerns the whole file.
+    /// Line of the first occurrence, from 1; 0 if it concerns the whole file.
     pub line: usize,
-    /// What is odd and what was done about it, told of the first one.
+    /// Fault and its treatment, described for the first occurrence.
     pub message: String,
-    /// How many there were.
+    /// Number of occurrences.
     pub count: u64,
 }
 
@@ -37,70 +37,70 @@ impl fmt::Display for Warning {
     }
 }
 
-/// What loading came across.
+/// Report of a loading process.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadReport {
-    /// Oddities, in the order they were first met.
+    /// Warnings, in the order of their first occurrence.
     pub warnings: Vec<Warning>,
-    /// Faces that were left out, by reason.
+    /// Number of faces left out, by reason.
     pub dropped: BTreeMap<&'static str, u64>,
-    /// What the scene leaves open and was filled in.
+    /// Parts that the scene leaves out and their defaults.
     pub defaults: Vec<String>,
-    /// Model files, in the order they were read; one that is read twice is here twice.
+    /// Model files, in the order they were read; a file that is read twice is listed twice.
     pub models: Vec<Model>,
-    /// Materials of the scene file that nothing uses: name and line.
+    /// Unused materials of the scene file: name and line.
     pub unused_materials: Vec<(String, u32)>,
-    /// By object: how the mesh of a dielectric encloses its medium.
+    /// By object: state of a dielectric mesh's surface.
     pub hulls: BTreeMap<usize, Hull>,
 }
 
-/// Faces of a model file.
+/// Numbers of faces of a model file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Model {
-    /// The file, as the user named it.
+    /// File, as named by the user.
     pub file: PathBuf,
-    /// Faces that it has.
+    /// Number of faces.
     pub faces: u64,
-    /// Faces among them that were left out, and triangles of faces that were left out in part.
+    /// Number of faces left out, including triangles of faces left out in part.
     pub dropped: u64,
 }
 
-/// The way a mesh encloses a medium.
+/// State of the surface of a dielectric mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hull {
-    /// Every edge is shared by triangles of one winding, and faces point outwards.
+    /// Every edge is shared by triangles of consistent winding, and faces point outwards.
     Closed,
     /// An edge is open, or two triangles at it have opposite windings.
     Open,
-    /// It is closed, and some faces point inwards.
+    /// The surface is closed, and some faces point inwards.
     InsideOut {
         /// Number of separate parts whose faces point inwards.
         parts: usize,
-        /// Number of all separate parts, those within another one left out.
+        /// Number of all separate parts, except those within another one.
         of: usize,
     },
 }
 
-/// Collects a [`LoadReport`].
+/// Collector of a [`LoadReport`].
 #[derive(Debug, Default)]
 pub(super) struct Reporter {
     report: LoadReport,
     strict: bool,
-    /// Place in `report.warnings` by file and kind.
+    /// Index into `report.warnings` by file and kind.
     places: HashMap<PathBuf, HashMap<String, usize>>,
 }
 
 impl Reporter {
-    /// An empty report; with `strict` the first warning is an error.
+    /// Creates an empty report; with `strict` the first warning is an error.
     pub(super) fn new(strict: bool) -> Self {
         Self { strict, ..Self::default() }
     }
 
-    /// Notes an oddity. Those of one `kind` in one file are one warning; `detail` tells of the first (it follows the
-    /// kind in the message).
+    /// Records a warning. Warnings of one `kind` in one file are counted as one; `detail` describes the first and
+    /// follows the kind in the message.
     ///
     /// # Errors
-    /// The warning itself, under `strict`.
+    /// Returns the warning itself if `strict`.
     pub(super) fn warn(&mut self, file: &Path, line: usize, kind: &str, detail: impl FnOnce() -> String) -> Result<()> {
         let known = self.places.get(file).and_then(|kinds| kinds.get(kind));
         if let Some(&place) = known {
@@ -123,7 +123,7 @@ impl Reporter {
         Ok(())
     }
 
-    /// The reason for which the most faces were left out.
+    /// Returns the reason for which most faces were left out.
     pub(super) fn most_dropped(&self) -> Option<&'static str> {
         self.report.dropped.iter().max_by_key(|(_, count)| **count).map(|(reason, _)| *reason)
     }
@@ -133,33 +133,33 @@ impl Reporter {
         *self.report.dropped.entry(reason).or_default() += 1;
     }
 
-    /// Faces left out so far.
+    /// Returns the number of faces left out so far.
     pub(super) fn dropped_so_far(&self) -> u64 {
         self.report.dropped.values().sum()
     }
 
-    /// Notes the faces of a model file, `dropped_before` of which were left out before it was read.
+    /// Records the faces of a model file; `dropped_before` were left out before it was read.
     pub(super) fn model(&mut self, file: &Path, faces: usize, dropped_before: u64) {
         let dropped = self.dropped_so_far() - dropped_before;
         self.report.models.push(Model { file: file.to_owned(), faces: faces as u64, dropped });
     }
 
-    /// Notes a material of the scene file that nothing uses.
+    /// Records an unused material of the scene file.
     pub(super) fn unused_material(&mut self, name: String, line: u32) {
         self.report.unused_materials.push((name, line));
     }
 
-    /// Notes what was filled in.
+    /// Records a default that was used.
     pub(super) fn default_used(&mut self, what: impl Into<String>) {
         self.report.defaults.push(what.into());
     }
 
-    /// Notes how the mesh of a dielectric encloses its medium.
+    /// Records the state of a dielectric mesh's surface.
     pub(super) fn hull(&mut self, object: usize, hull: Hull) {
         self.report.hulls.insert(object, hull);
     }
 
-    /// The report.
+    /// Returns the report.
     pub(super) fn finish(self) -> LoadReport {
         self.report
     }

@@ -1,4 +1,4 @@
-//! Normals for meshes that have none.
+//! Smooth normals for meshes without normals.
 
 use glam::{DVec3, Vec3};
 
@@ -7,17 +7,18 @@ use crate::geometry::TriMesh;
 use crate::geometry::topology::{self, Edges, Groups, weld};
 use crate::system::memory;
 
-/// Gives `mesh` normals that are smooth across edges that bend by less than `crease` degrees and break at the others.
+/// Adds normals to `mesh` that are smooth across edges that bend by less than `crease` degrees, and break at the
+/// others.
 ///
-/// A corner's normal is the mean of the faces it is joined to through such edges, weighted by their angles there
-/// (Thürmer & Wüthrich 1998), so that it does not depend on how a face was cut up. Corners count as one where they
-/// lie at exactly the same place. An edge of three or more faces, or of two that run along it the same way, breaks.
+/// A vertex normal is the mean of the normals of the faces joined to it through smooth edges, weighted by their angles
+/// there (Thürmer & Wüthrich 1998). So it does not depend on how a face was triangulated. Corners at exactly the same
+/// position count as one. An edge breaks if it has three or more faces, or two that run along it in the same direction.
 ///
 /// # Errors
-/// `Limit`, where there is no memory for the work.
+/// Returns [`Error::Limit`](crate::Error::Limit) if the work does not fit in memory.
 pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) -> Result<()> {
-    // Of each triangle its normal; of each corner its group, its sum and place, and what may become its normal in a list
-    // that grows by doubling.
+    // Per triangle its normal; per corner its group, sum and position, and possibly its normal in a list that grows by
+    // doubling.
     let each = size_of::<DVec3>() + 3 * (4 + size_of::<DVec3>() + 4 + 2 * (size_of::<Vec3>() + 4));
     let bytes = topology::bytes(mesh) + (mesh.triangles.len() * each) as u64;
     memory::need(&format!("smooth normals for {} triangles", mesh.triangles.len()), bytes, "take fewer triangles")?;
@@ -30,7 +31,7 @@ pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) -> Result<()> {
         .collect();
     let least = crease.to_radians().cos();
 
-    // Join corners of neighbours across smooth edges.
+    // Joins corners of neighbours across smooth edges.
     let mut groups = Groups::new(mesh.triangles.len() * 3);
     for group in Edges::new(&mesh.triangles, &weld).groups() {
         let [(_, a), (_, b)] = group else { continue };
@@ -38,7 +39,7 @@ pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) -> Result<()> {
             continue;
         }
         let corner = |triangle: u32, k: u8| triangle * 3 + u32::from(k % 3);
-        // They run along it in opposite directions.
+        // Neighbours run along the edge in opposite directions.
         groups.join(corner(a.triangle, a.corner), corner(b.triangle, b.corner + 1));
         groups.join(corner(a.triangle, a.corner + 1), corner(b.triangle, b.corner));
     }
@@ -48,7 +49,7 @@ pub(super) fn smooth(mesh: &mut TriMesh, crease: f64) -> Result<()> {
         let p = mesh.corners(i).map(|p| p.as_dvec3());
         for k in 0..3 {
             let (to, from) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-            // By tangent: the angle of a sliver keeps its digits.
+            // By the tangent, so that the angle of a sliver keeps its digits.
             let angle = to.cross(from).length().atan2(to.dot(from));
             sums[groups.find((i * 3 + k) as u32) as usize] += *normal * angle;
         }
@@ -82,7 +83,7 @@ mod tests {
         assert_eq!(sharp.normals.len(), 6 * 16);
         let mut round = cuboid(1);
         smooth(&mut round, 91.0).unwrap();
-        // By angle every face weighs the same at a corner, however its two triangles lie.
+        // Weighted by angle, every face counts the same at a corner, however its two triangles lie.
         for (p, n) in (0..12).flat_map(|i| std::iter::zip(round.corners(i), round.corner_normals(i).unwrap())) {
             assert!((p.normalize() - n).length() < 1e-6, "{p} {n}");
         }

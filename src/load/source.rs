@@ -1,4 +1,4 @@
-//! Reading text, and where files that a scene names may lie.
+//! Reading of text files, and the folder that files named by a scene must lie in.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use crate::system::files::read;
 use crate::{Error, Result};
 
-/// The text of a file, without a byte order mark.
+/// Returns the text of a file, without a byte order mark.
 ///
 /// # Errors
-/// As [`read`], and `Input` where it is not UTF-8.
+/// Fails as [`read`] does, and with [`Error::Input`] if the file is not UTF-8.
 pub(super) fn read_text(path: &Path, limit: u64) -> Result<String> {
     let text = String::from_utf8(read(path, limit)?).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
@@ -23,31 +23,31 @@ pub(super) fn read_text(path: &Path, limit: u64) -> Result<String> {
     })
 }
 
-/// Where files that a scene names may lie.
+/// Folder that must contain all files named by a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Root {
     canonical: PathBuf,
 }
 
 impl Root {
-    /// The folder itself.
+    /// Resolves the folder.
     ///
     /// # Errors
-    /// `Io` where it cannot be found.
+    /// Returns [`Error::Io`] if it does not exist.
     pub(super) fn new(folder: &Path) -> Result<Self> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         Ok(Self { canonical: fs::canonicalize(folder).map_err(|e| Error::io(folder, "read", e))? })
     }
 
-    /// The path of `name`, as a file in `folder` names it; either kind of slash will do.
+    /// Returns the path of `name`, relative to `folder`; both kinds of slash are accepted.
     ///
     /// # Errors
-    /// Why it cannot be had, in words that follow a colon.
+    /// Returns the reason, in words that follow a colon.
     pub(super) fn resolve(&self, folder: &Path, name: &str) -> std::result::Result<PathBuf, String> {
         let path = folder.join(name.replace('\\', "/"));
         let canonical = fs::canonicalize(&path).map_err(|e| format!("cannot read `{name}`: {e}"))?;
         if !canonical.starts_with(&self.canonical) {
-            return Err(format!("`{name}` lies outside the scene's folder"));
+            return Err(format!("`{name}` lies outside the scene's folder; copy it there"));
         }
         if !canonical.is_file() {
             return Err(format!("`{name}` is not a regular file"));
@@ -56,7 +56,7 @@ impl Root {
     }
 }
 
-/// The folder a file lies in; empty for a bare name.
+/// Returns the folder of a file; empty for a bare name.
 pub(super) fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }

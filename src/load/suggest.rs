@@ -1,8 +1,8 @@
-//! What a mistyped name was probably meant to be.
+//! Suggestions for mistyped names.
 
-/// The name among `known` that is nearest to `given`, if any is near.
+/// Returns the name among `known` that is nearest to `given`, if any is near.
 pub(super) fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // A distance costs the product of the lengths; nothing that long is a typing error.
+    // The cost is the product of the lengths; longer names are not typing errors.
     if given.len() > 64 {
         return None;
     }
@@ -11,18 +11,18 @@ pub(super) fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>)
         .into_iter()
         .filter(|name| name.len() <= 128)
         .map(|name| (strsim::normalized_damerau_levenshtein(&given, &name.to_lowercase()), name))
-        // One slip in three letters still counts.
+        // One wrong letter in three still counts.
         .filter(|&(likeness, _)| likeness > 0.6)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)
 }
 
-/// `; did you mean ...?` for the nearest name, else the list of all of them.
+/// Returns `; did you mean ...?` for the nearest name, else a list of all names.
 pub(crate) fn hint<'a>(given: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> String {
     if let Some(name) = nearest(given, known.clone()) {
         return format!("; did you mean `{name}`?");
     }
-    // A name that long is noise, too.
+    // Longer names are left out as noise.
     let all: Vec<&str> = known.into_iter().filter(|name| name.len() <= 64).take(40).collect();
     if all.is_empty() { String::new() } else { format!("; known are {}", all.join(", ")) }
 }

@@ -1,4 +1,4 @@
-//! Pictures to look colours up in: whatever [`crate::image`] reads, made fit to be light.
+//! Texture pictures: any format that [`crate::image`] reads, checked for use as light.
 
 use std::path::Path;
 
@@ -7,24 +7,26 @@ use crate::Result;
 use crate::image::{self, ReadOptions};
 use crate::scene::{Rgb, Texture};
 
-/// A picture, and what was left out of it.
+/// Picture and counts of its repairs.
 pub(super) struct Reading {
     pub texture: Texture,
-    /// Pixels with a channel that was not finite or below zero; that channel is 0.
+    /// Number of pixels with a channel that was not finite or below zero, and was set to 0.
     pub repaired: u64,
-    /// Whether it had an alpha channel.
+    /// True if the picture had an alpha channel.
     pub alpha_dropped: bool,
 }
 
-/// Reads a picture in linear colour. Channels that are not finite or below zero are 0.
+/// Reads a picture in linear colour. Channels that are not finite or below zero become 0.
 ///
 /// # Errors
-/// `Io` where it cannot be read, `Limit` where it is larger than the options allow, `File` for anything else.
+/// - [`Error::Io`](crate::Error::Io) if the file cannot be read.
+/// - [`Error::Limit`](crate::Error::Limit) if it exceeds the limits.
+/// - [`Error::File`](crate::Error::File) for any other fault.
 pub fn picture(path: &Path, options: &LoadOptions) -> Result<Texture> {
     read(path, &options.limits).map(|reading| reading.texture)
 }
 
-/// As [`picture`], and what was left out.
+/// Reads a picture as [`picture`] does, with counts of its repairs.
 pub(super) fn read(path: &Path, limits: &Limits) -> Result<Reading> {
     let limits = image::Limits {
         edge: limits.texture_edge,

@@ -1,4 +1,4 @@
-//! Where shapes are put: affine maps in `f64`, applied and then rounded once.
+//! Transforms of shapes: affine maps in `f64`, applied and then rounded once.
 
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
@@ -6,14 +6,14 @@ use super::draft::{Ball, Flat, MeshDraft, rounded};
 use super::extent::FAR;
 use crate::geometry::{COORDINATE_LIMIT, Plane, TriMesh};
 
-/// Column lengths of a transform lie within 1 over this and this.
+/// Limit on the column lengths of a transform: between one over this and this.
 const SCALE_LIMIT: f64 = 1e15;
-/// A transform whose columns span less than this share of the box of their lengths counts as singular.
+/// Share of the box of its column lengths below which the volume of a transform counts as singular.
 const SINGULAR: f64 = 1e-10;
-/// How far columns may be from equal length and right angles, relative to their length, for a sphere to stay one.
+/// Largest relative deviation of columns from equal lengths and right angles for a sphere to stay a sphere.
 const SIMILAR: f64 = 1e-6;
 
-/// A non-singular affine map.
+/// Non-singular affine map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     matrix: DMat4,
@@ -22,13 +22,13 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// The map that changes nothing.
+    /// Identity map.
     pub const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, normal: DMat3::IDENTITY };
 
-    /// The map `p -> matrix p`.
+    /// Creates the map `p -> matrix p`.
     ///
     /// # Errors
-    /// What is wrong with the matrix, in words: not finite, not affine, singular, or scaling by more than 1e15.
+    /// Returns a message if the matrix is not finite, not affine, singular, or scales by more than 1e15.
     pub fn new(matrix: DMat4) -> Result<Self, String> {
         if !matrix.is_finite() {
             return Err(String::from("holds a number that is not finite"));
@@ -54,48 +54,48 @@ impl Transform {
         Ok(Self { matrix, normal: linear.inverse().transpose() })
     }
 
-    /// Scales, then turns about x, y and z in that order (degrees, right-handed), then moves.
+    /// Creates a map that scales, then rotates about x, y and z in that order (degrees, right-handed), then translates.
     ///
     /// # Errors
-    /// As [`Transform::new`].
+    /// Fails as [`Transform::new`] does.
     pub fn from_parts(scale: DVec3, rotate: DVec3, translate: DVec3) -> Result<Self, String> {
         let linear = turn(2, rotate.z) * turn(1, rotate.y) * turn(0, rotate.x) * DMat3::from_diagonal(scale);
         Self::new(DMat4::from_translation(translate) * DMat4::from_mat3(linear))
     }
 
-    /// First `inner`, then this one.
+    /// Returns the map that applies `inner` first, then this one.
     ///
     /// # Errors
-    /// As [`Transform::new`].
+    /// Fails as [`Transform::new`] does.
     pub fn after(&self, inner: &Self) -> Result<Self, String> {
         Self::new(self.matrix * inner.matrix)
     }
 
-    /// Whether it turns a right hand into a left one.
+    /// Returns true if the map reverses handedness.
     #[must_use]
     pub fn mirrors(&self) -> bool {
         DMat3::from_mat4(self.matrix).determinant() < 0.0
     }
 
-    /// Where `p` goes.
+    /// Transforms a point.
     #[must_use]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.matrix.transform_point3(p)
     }
 
-    /// The unit normal that `n` becomes.
+    /// Transforms a unit normal.
     #[must_use]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         let m = self.normal * n;
-        // Scaled by its largest part first: the squares of a normal of a huge scale would underflow.
+        // Scaled by its largest component first, since the squares of a normal under a huge scale would underflow.
         let largest = m.abs().max_element();
         if largest > 0.0 && largest.is_finite() { (m / largest).normalize() } else { n }
     }
 
-    /// Moves a mesh. A mirroring map turns the triangles over, so that outside stays outside.
+    /// Transforms a mesh. A mirroring map reverses the triangles, so that the outside stays outside.
     ///
     /// # Errors
-    /// In words, where a corner that could be hit ends up beyond [`COORDINATE_LIMIT`].
+    /// Returns a message if a corner that could be hit ends up beyond [`COORDINATE_LIMIT`].
     pub(super) fn mesh(&self, draft: &mut MeshDraft) -> Result<(), String> {
         if *self == Self::IDENTITY {
             return Ok(());
@@ -116,10 +116,10 @@ impl Transform {
         Ok(())
     }
 
-    /// Moves a sphere.
+    /// Transforms a sphere.
     ///
     /// # Errors
-    /// In words, where it would not stay a sphere, or its coordinates leave the range of numbers.
+    /// Returns a message if it would not stay a sphere, or its coordinates leave the range of numbers.
     pub(super) fn ball(&self, ball: &Ball) -> Result<Ball, String> {
         let linear = DMat3::from_mat4(self.matrix);
         let gram = linear.transpose() * linear;
@@ -139,16 +139,16 @@ impl Transform {
         Ok(Ball { centre, radius })
     }
 
-    /// Puts a plane where it belongs.
+    /// Transforms a plane.
     ///
     /// # Errors
-    /// In words, where its point leaves the range of numbers.
+    /// Returns a message if its point leaves the range of numbers.
     pub(super) fn plane(&self, point: DVec3, normal: DVec3) -> Result<Flat, String> {
         let moved = self.point(point);
         if !within_limit(moved) {
             return Err(format!("moves the plane's point to {}", moved.as_vec3()));
         }
-        // A plane that is moved back from afar keeps its digits.
+        // A plane that is moved back from far away keeps its digits.
         let back = point.abs().max_element() > FAR * moved.abs().max_element();
         let near = Plane {
             point: self.point(rounded(point, back)).as_vec3(),
@@ -158,12 +158,12 @@ impl Transform {
     }
 }
 
-/// Whether all coordinates are finite and none is beyond [`COORDINATE_LIMIT`].
+/// Returns true if all coordinates are finite and none is beyond [`COORDINATE_LIMIT`].
 pub(super) fn within_limit(p: DVec3) -> bool {
     p.as_vec3().abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all()
 }
 
-/// Turns a mesh inside out: triangles the other way round, normals reversed.
+/// Turns a mesh inside out: reverses triangles and normals.
 pub(super) fn flip(mesh: &mut TriMesh) {
     swap_winding(mesh);
     for n in &mut mesh.normals {
@@ -179,7 +179,7 @@ fn swap_winding(mesh: &mut TriMesh) {
     }
 }
 
-/// Turning by `degrees` about an axis; exact at multiples of 90.
+/// Returns a rotation by `degrees` about an axis; exact at multiples of 90.
 fn turn(axis: usize, degrees: f64) -> DMat3 {
     let (s, c) = sin_cos_degrees(degrees);
     match axis {
@@ -189,7 +189,7 @@ fn turn(axis: usize, degrees: f64) -> DMat3 {
     }
 }
 
-/// Sine and cosine of an angle in degrees; exact at multiples of 90.
+/// Returns sine and cosine of an angle in degrees; exact at multiples of 90.
 pub(super) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turns = degrees.rem_euclid(360.0);
     let quarter = (turns / 90.0).round();
@@ -202,7 +202,7 @@ pub(super) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     }
 }
 
-/// Two unit vectors at right angles to the unit vector `n` and to each other, `cross(first, second) = n`
+/// Returns two unit vectors at right angles to the unit vector `n` and to each other, with `cross(first, second) = n`
 /// (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 pub(super) fn basis(n: DVec3) -> (DVec3, DVec3) {
     let sign = 1f64.copysign(n.z);
@@ -211,7 +211,7 @@ pub(super) fn basis(n: DVec3) -> (DVec3, DVec3) {
     (DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), DVec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
-/// The map of the unit square shapes: their +y to `normal`, their size to `scale`, their middle to `centre`.
+/// Returns the map for the unit square shapes: +y to `normal`, their size to `scale`, their middle to `centre`.
 pub(super) fn facing(normal: DVec3, scale: f64, centre: DVec3) -> Result<Transform, String> {
     let (z, x) = if normal == DVec3::Y { (DVec3::Z, DVec3::X) } else { basis(normal) };
     let linear = DMat3::from_cols(x * scale, normal * scale, z * scale);
@@ -274,7 +274,7 @@ mod tests {
     fn a_far_plane_is_held_next_to_the_origin() {
         let normal = DVec3::new(0.6, 0.8, 0.0);
         let far = DVec3::new(4e6, 3.1, 5e6);
-        // Along the plane by 1e6 from there, and 0.25 off it.
+        // 1e6 along the plane from there, and 0.25 off it.
         let origin = far + DVec3::new(8e5, -6e5, 0.0) - normal * 0.25;
         let plane = Transform::IDENTITY.plane(far, normal).unwrap().settle(Frame::at(origin));
         assert!((plane.point.as_dvec3() - normal * 0.25).length() < 1e-8, "{}", plane.point);

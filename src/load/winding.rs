@@ -1,16 +1,16 @@
-//! Closed meshes that are inside out: their faces point inwards.
+//! Detection of closed meshes that are inside out: their faces point inwards.
 
 use glam::{DVec3, Vec3};
 
 use crate::geometry::{Aabb, TriMesh};
 
-/// A signed volume below this share of its terms' magnitudes counts as none: its sign may be rounding.
+/// Share of its terms' magnitudes below which a signed volume counts as zero, since its sign may be rounding.
 const SIGNIFICANT: f64 = 1e-12;
 
-/// Most parts of a mesh that are compared with each other. A mesh of more is judged by its whole volume.
+/// Number of parts above which a mesh is judged by its whole volume instead of comparing its parts.
 const MOST_PARTS: usize = 1000;
 
-/// Separate outermost parts of a closed mesh that are inside out.
+/// Numbers of the outermost parts of a closed mesh, and of those that are inside out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct InsideOut {
     /// Number of parts whose faces point inwards.
@@ -19,24 +19,24 @@ pub(super) struct InsideOut {
     pub of: usize,
 }
 
-/// Triangles that hang together.
+/// Connected triangles.
 #[derive(Clone, Copy, Debug)]
 struct Part {
-    /// First corner of its first triangle, from which volumes are measured.
+    /// First corner of its first triangle, the reference point of volumes.
     origin: DVec3,
-    /// Six times its signed volume, above zero where its faces point outwards.
+    /// Six times the signed volume, above zero if faces point outwards.
     volume: f64,
-    /// Magnitudes of the terms of that sum.
+    /// Sum of the magnitudes of the volume's terms.
     terms: f64,
     bounds: Aabb,
 }
 
-/// The parts of a closed mesh with consistent winding that are inside out, by their signed volumes. `None` where all
+/// Finds the inside-out parts of a closed mesh with consistent winding, by their signed volumes. Returns `None` if all
 /// outermost parts point outwards. A part within another one may point either way: it may be the wall of a hollow.
-/// Corners `i` at one place have one `weld[i]`.
+/// Corners `i` at one position share one `weld[i]`.
 pub(super) fn inside_out(mesh: &TriMesh, weld: &[u32]) -> Option<InsideOut> {
     let parts = parts(mesh, weld);
-    // Most meshes end here.
+    // Most meshes return here.
     if parts.iter().all(|p| p.volume >= 0.0) {
         return None;
     }
@@ -56,7 +56,7 @@ pub(super) fn inside_out(mesh: &TriMesh, weld: &[u32]) -> Option<InsideOut> {
     (inwards > 0).then_some(InsideOut { parts: inwards, of: all })
 }
 
-/// The separate parts of a mesh. Triangles that touch at a corner are of one part.
+/// Returns the connected parts of a mesh. Triangles that share a corner belong to one part.
 fn parts(mesh: &TriMesh, weld: &[u32]) -> Vec<Part> {
     let mut parent: Vec<u32> = (0..weld.len() as u32).collect();
     for t in &mesh.triangles {
@@ -85,7 +85,7 @@ fn parts(mesh: &TriMesh, weld: &[u32]) -> Vec<Part> {
     parts
 }
 
-/// The corner that stands for all that hang together with `i`.
+/// Returns the representative of the corners connected with `i`.
 fn root(parent: &mut [u32], mut i: u32) -> u32 {
     while parent[i as usize] != i {
         parent[i as usize] = parent[parent[i as usize] as usize];
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
     use crate::geometry::topology::weld;
 
-    /// A cube of edge `2 h` around `centre`, its faces outwards or inwards.
+    /// Cube of edge `2 h` around `centre`, with its faces outwards or inwards.
     fn cube(centre: Vec3, h: f32, outwards: bool) -> TriMesh {
         let corner = |i: u32| centre + h * Vec3::new(sign(i & 1), sign(i >> 1 & 1), sign(i >> 2));
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -114,7 +114,7 @@ mod tests {
         if bit == 0 { -1.0 } else { 1.0 }
     }
 
-    /// Several meshes as one.
+    /// Joins several meshes.
     fn joined(meshes: &[TriMesh]) -> TriMesh {
         let mut all = TriMesh::default();
         for mesh in meshes {

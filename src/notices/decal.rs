@@ -1,9 +1,9 @@
-//! Opaque surfaces of different materials at the same place.
+//! Check for opaque surfaces of different materials at the same place.
 
 use super::{Check, Facts, Find, Finding, Place};
 use crate::effects;
 
-/// Two coplanar opaque surfaces that face the same side, of which the later one is seen.
+/// Two coplanar opaque surfaces that face the same side; the later one is visible.
 pub(super) const CHECK: Check = Check { id: "coplanar-materials", find: Find::InScene(find) };
 
 fn find(facts: &Facts) -> Vec<Finding> {

@@ -1,4 +1,4 @@
-//! Models that lost many of their faces.
+//! Check for models that lost many of their faces.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::facts::has_area;
 use super::{Check, Facts, Find, Finding, Place};
 use crate::geometry::Shape;
 
-/// A model of which more than [`SHARE`] cannot be seen, because faces were left out or cannot be hit.
+/// More than [`SHARE`] of a model is invisible, because faces were left out or cannot be hit.
 pub(super) const CHECK: Check = Check { id: "dropped-faces", find: Find::InScene(find) };
 
 /// Share of the faces that may be lost without a finding.

@@ -1,4 +1,4 @@
-//! The input that all checks share.
+//! Input shared by all checks.
 
 use std::path::Path;
 
@@ -9,19 +9,19 @@ use crate::load::LoadReport;
 use crate::render::Options;
 use crate::scene::{Material, Scene};
 
-/// Returns true if a ray can hit a triangle of a mesh: its corners are finite and not in line.
+/// Returns true if a ray can hit a triangle of a mesh: its corners are finite and not collinear.
 #[must_use]
 pub(super) fn has_area(mesh: &TriMesh, triangle: usize) -> bool {
     let [a, b, c] = mesh.corners(triangle).map(Vec3::as_dvec3);
     mesh.is_usable(triangle) && (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// A scene as it was loaded, and the options of its picture.
+/// Scene as loaded, with the options of its picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts<'a> {
-    /// The scene or model file, as the user named it.
+    /// Scene or model file, as named by the user.
     pub file: &'a Path,
-    /// The scene, with the settings that the picture is made with.
+    /// Scene, with the settings of the picture.
     pub scene: &'a Scene,
     /// Report of the loader.
     pub report: &'a LoadReport,
@@ -30,19 +30,19 @@ pub struct Facts<'a> {
 }
 
 impl<'a> Facts<'a> {
-    /// Material of an object.
+    /// Returns the material of an object.
     #[must_use]
     pub fn material(&self, object: usize) -> &'a Material {
         &self.scene.materials[self.scene.objects[object].material as usize]
     }
 
-    /// Name of an object, quoted.
+    /// Returns the name of an object in backquotes.
     #[must_use]
     pub fn name(&self, object: usize) -> String {
         format!("`{}`", self.scene.objects[object].name)
     }
 
-    /// Bounds of an object: empty for planes and for what no ray can hit.
+    /// Returns the bounds of an object; empty for planes and for objects that no ray can hit.
     #[must_use]
     pub fn bounds(&self, object: usize) -> Aabb {
         match &self.scene.geometry[object].shape {

@@ -1,4 +1,4 @@
-//! Cameras inside opaque bodies.
+//! Check for cameras inside opaque bodies.
 
 use glam::DVec3;
 
@@ -8,10 +8,10 @@ use crate::geometry::Shape;
 use crate::render::Outcome;
 use crate::scene::{Interface, Rgb};
 
-/// The camera is inside an opaque closed body, where no light is.
+/// The camera is inside an opaque closed body without light.
 pub(super) const CHECK: Check = Check { id: "camera-inside", find: Find::InPicture(find) };
 
-/// Directions in which surfaces are counted: of a closed body that holds the eye each ray crosses an odd number.
+/// Number of directions in which surfaces are counted. From inside a closed body every ray crosses an odd number.
 const DIRECTIONS: usize = 16;
 
 fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
@@ -27,7 +27,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     dark_body(facts, picture).map(finding).into_iter().collect()
 }
 
-/// The opaque body around the eye, in which neither a lamp nor anything that is seen shines.
+/// Returns the opaque body around the eye, if no lamp and no visible surface shines in it.
 pub(super) fn dark_body(facts: &Facts, picture: &Outcome) -> Option<usize> {
     let seen = &picture.seen;
     if seen.lit || seen.missed > 0 {
@@ -37,7 +37,7 @@ pub(super) fn dark_body(facts: &Facts, picture: &Outcome) -> Option<usize> {
     if met().any(|o| glows(facts, o)) {
         return None;
     }
-    // A room without lamps is dark because of that, and not because the camera is in it.
+    // Without lamps, any room is dark; the camera's position is then not the reason.
     let holds = |o: &usize| {
         let lacks_lamps = facts.scene.lights.is_empty() && facts.material(*o).answers_light();
         is_opaque(facts, *o) && !lacks_lamps && is_around_eye(facts, *o)
@@ -45,7 +45,7 @@ pub(super) fn dark_body(facts: &Facts, picture: &Outcome) -> Option<usize> {
     met().find(holds)
 }
 
-/// Returns true if an object sends light that no lamp brings.
+/// Returns true if an object emits light or reflects ambient light.
 pub(super) fn glows(facts: &Facts, object: usize) -> bool {
     let material = facts.material(object);
     material.emission != Rgb::ZERO || material.ambient * facts.scene.ambient != Rgb::ZERO
@@ -59,7 +59,7 @@ fn is_opaque(facts: &Facts, object: usize) -> bool {
     }
 }
 
-/// Returns true if an object is a closed surface around the eye, as far as rays from there tell.
+/// Returns true if an object is a closed surface around the eye, judged by rays from there.
 fn is_around_eye(facts: &Facts, object: usize) -> bool {
     let geometry = &facts.scene.geometry[object..=object];
     if matches!(geometry[0].shape, Shape::Plane(_)) {
@@ -68,12 +68,12 @@ fn is_around_eye(facts: &Facts, object: usize) -> bool {
     let body = Reference::build(geometry);
     let eye = facts.scene.camera.eye.as_dvec3();
     (0..DIRECTIONS).all(|i| {
-        // A spiral over the sphere; no direction lies along an axis or a diagonal.
+        // Directions on a spiral over the sphere; none lies along an axis or a diagonal.
         let z = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
         let (sin, cos) = (i as f64 * 2.399_963).sin_cos();
         let across = (1.0 - z * z).sqrt();
         let mut hits = body.all_hits(&Ray64::new(eye, DVec3::new(across * cos, z, across * sin)));
-        // A ray through an edge meets both triangles there.
+        // A ray through an edge hits both triangles there.
         hits.dedup_by(|b, a| a.t == b.t);
         hits.len() % 2 == 1
     })

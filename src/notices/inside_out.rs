@@ -1,12 +1,12 @@
-//! Closed dielectrics whose faces point inwards.
+//! Check for closed dielectrics whose faces point inwards.
 
 use super::{Check, Facts, Find, Finding, Place};
 use crate::load::Hull;
 
-/// Cure of a mesh that is inside out as a whole.
+/// Cure for a mesh that is wholly inside out.
 pub const CURE: &str = "set `flip = true` in its [[mesh]], or take it away where it is set";
 
-/// A closed mesh of a dielectric with a signed volume below zero: light leaves the medium where it should enter.
+/// A closed dielectric mesh has negative signed volume: light leaves the medium where it should enter.
 pub(super) const CHECK: Check = Check { id: "inside-out", find: Find::InScene(find) };
 
 fn find(facts: &Facts) -> Vec<Finding> {

@@ -1,8 +1,9 @@
-//! Light that coarse meshes with smooth normals never let out.
+//! Check for light trapped in coarse meshes with smooth normals.
 //!
-//! Light that enters a smooth convex body of glass can leave it: it meets the far side at the angle at which it was refracted.
-//! Interpolated normals of a coarse mesh break this symmetry: near outlines light enters by a normal that no far facet has, is
-//! reflected totally, and goes round for ever. Flat facets of the same mesh let it out after some reflections.
+//! Light that enters a smooth convex body of glass can leave it: it hits the far side at the angle at which it was
+//! refracted. Interpolated normals of a coarse mesh break this symmetry. Near outlines light enters by a normal that no
+//! far facet has, is totally reflected, and circulates for ever. With flat facets the same mesh releases it after some
+//! reflections.
 
 use super::{Check, Facts, Find, Finding, Place};
 use crate::geometry::{Shape, TriMesh};
@@ -11,25 +12,25 @@ use crate::render::record::{Met, Node, Tree};
 use crate::render::reference::Prepared;
 use crate::scene::Interface;
 
-/// More than a thousandth of the pixels lack light that is caught inside a coarse smooth mesh.
+/// More than a thousandth of the pixels lack light that is trapped inside a coarse smooth mesh.
 pub(super) const CHECK: Check = Check { id: "low-poly", find: Find::InPicture(find) };
 
-/// Least truncated weight of a pixel that counts: one step of an 8-bit picture.
+/// Smallest truncated weight of a pixel that counts: one step of an 8-bit picture.
 const VISIBLE: f32 = 1.0 / 255.0;
 
-/// Share of the pixels from which a finding is made.
+/// Share of the pixels above which there is a finding.
 const SHARE: f64 = 1e-3;
 
-/// Pixels that are traced again.
+/// Number of pixels traced again.
 const PROBED: usize = 24;
 
-/// Mean angle between the normals of neighbouring corners from which a mesh is coarse, in degrees, by area.
+/// Mean angle between neighbouring vertex normals, weighted by area, above which a mesh is coarse, in degrees.
 const COARSE: f64 = 8.0;
 
-/// Depth limit that tells light that needs more depth from light that never gets out.
+/// Depth limit that separates light that needs more depth from light that is trapped.
 const DEEP: u32 = 4096;
 
-/// Total reflections in a row, back from where a ray was cut, after which it is caught.
+/// Number of consecutive total reflections before the cut after which light counts as trapped.
 const CAUGHT: usize = 32;
 
 fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
@@ -78,7 +79,7 @@ fn of_object(facts: &Facts, object: usize, dark: u64) -> Finding {
     }
 }
 
-/// Returns true if rays met the object and it is a dielectric mesh whose smooth normals turn far from corner to corner.
+/// Returns true if rays hit the object and it is a dielectric mesh whose vertex normals differ much.
 fn is_coarse(facts: &Facts, picture: &Outcome, object: usize) -> bool {
     let met = picture.seen.objects.get(object).is_some_and(|&met| met);
     match (&facts.scene.geometry[object].shape, facts.material(object).interface) {
@@ -89,7 +90,7 @@ fn is_coarse(facts: &Facts, picture: &Outcome, object: usize) -> bool {
     }
 }
 
-/// Mean over the area of the largest angle between the normals of a triangle's corners, in degrees.
+/// Returns the mean over the area of the largest angle between a triangle's vertex normals, in degrees.
 fn mean_turn(mesh: &TriMesh) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
     for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
@@ -104,7 +105,8 @@ fn mean_turn(mesh: &TriMesh) -> f64 {
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
-/// The object in which the heaviest ray that the depth limit cut had been reflected totally many times in a row.
+/// Returns the object that traps light: the heaviest ray cut by the depth limit had many consecutive total reflections
+/// in it.
 fn trap(tree: &Tree) -> Option<usize> {
     let weight = |node: Node| {
         let cuts = tree.events[node as usize].cut.iter().filter(|cut| cut.too_deep);
@@ -134,7 +136,7 @@ mod tests {
 
     #[test]
     fn normals_of_a_ball_turn_by_the_angle_between_its_corners() {
-        // Rings are 18 degrees apart, and so are corners along the equator; a diagonal is 25 degrees at most.
+        // Rings are 18 degrees apart, as are vertices along the equator; a diagonal is at most 25 degrees.
         let (coarse, fine) = (mean_turn(&shapes::sphere(10)), mean_turn(&shapes::sphere(100)));
         assert!((18.0..30.0).contains(&coarse), "{coarse}");
         assert!((1.8..3.0).contains(&fine), "{fine}");

@@ -1,7 +1,7 @@
-//! Warnings about a scene and a picture of it: one list of checks, worded once, for every command that reports them.
+//! Warnings about a scene and its picture: one list of checks, with one wording for all commands.
 //!
-//! A check finds one kind of fault. To add one: write a file beside this one that holds a [`Check`], name it in [`CHECKS`],
-//! and add its row to the table of warnings in `scenes/README.md` (a test compares the two).
+//! A check finds one kind of fault. To add one, write a file beside this one that contains a [`Check`], add it to
+//! [`CHECKS`], and add its row to the table of warnings in `scenes/README.md` (a test compares the two).
 
 mod decal;
 mod dropped;
@@ -25,25 +25,25 @@ pub use survey::survey;
 
 use crate::render::Outcome;
 
-/// A search for one kind of fault.
+/// Check for one kind of fault.
 #[derive(Clone, Copy, Debug)]
 pub struct Check {
-    /// Name of the kind in JSON and in the documentation.
+    /// Identifier of the kind in JSON and in the documentation.
     pub id: &'static str,
-    /// The search itself.
+    /// Function that searches for the fault.
     pub find: Find,
 }
 
-/// The input of a [`Check`].
+/// Search function of a [`Check`], by its input.
 #[derive(Clone, Copy, Debug)]
 pub enum Find {
-    /// The scene alone: made before the first ray. Costs little beside building a hierarchy.
+    /// Examines the scene alone, before the first ray. Costs little compared with building a hierarchy.
     InScene(fn(&Facts) -> Vec<Finding>),
-    /// A finished picture of it. Costs nothing noticeable where there is nothing to find.
+    /// Examines a finished picture of the scene. Costs almost nothing if there is no fault.
     InPicture(fn(&Facts, &Outcome) -> Vec<Finding>),
 }
 
-/// All checks, in the order in which their findings are reported.
+/// All checks, in the order of their findings in reports.
 pub const CHECKS: &[Check] = &[
     unused::CHECK,
     dropped::CHECK,
@@ -57,14 +57,14 @@ pub const CHECKS: &[Check] = &[
     truncated::CHECK,
 ];
 
-/// Findings of the checks that need no picture.
+/// Returns the findings of the checks that need no picture.
 #[must_use]
 pub fn of_scene(facts: &Facts) -> Vec<Notice> {
     collect(|find| if let Find::InScene(find) = find { find(facts) } else { Vec::new() })
 }
 
-/// Findings of the checks that look at a picture. None where effects were left out on request: such a picture is meant to
-/// lack something.
+/// Returns the findings of the checks on a picture. Returns none if effects were left out on request, since such a
+/// picture lacks something on purpose.
 #[must_use]
 pub fn of_picture(facts: &Facts, picture: &Outcome) -> Vec<Notice> {
     if !facts.options.effects.without.is_empty() {

@@ -1,4 +1,4 @@
-//! Transparent bodies whose surfaces nearly coincide and cross each other many times.
+//! Check for transparent bodies whose surfaces nearly coincide and cross many times.
 
 use glam::DVec3;
 
@@ -7,16 +7,16 @@ use crate::geometry::contact::tolerance;
 use crate::geometry::{Shape, TriMesh};
 use crate::scene::Interface;
 
-/// A liquid and its glass that were tessellated differently.
+/// The surfaces of a liquid and its glass follow one shape with different tessellations.
 pub(super) const CHECK: Check = Check { id: "near-coincidence", find: Find::InScene(find) };
 
-/// Faces of a mesh that are looked at.
+/// Number of faces of a mesh that are examined.
 const SAMPLES: usize = 512;
 
-/// Distance of two surfaces up to which they nearly coincide, as a share of the size of a face.
+/// Distance below which two surfaces nearly coincide, relative to the size of a face.
 const NEAR: f64 = 0.1;
 
-/// Share of the faces looked at that must lie near the other surface, on either side of it.
+/// Share of the examined faces that must lie near the other surface, on each side of it.
 const SHARE: f64 = 0.02;
 
 fn find(facts: &Facts) -> Vec<Finding> {
@@ -47,15 +47,14 @@ fn find(facts: &Facts) -> Vec<Finding> {
     findings
 }
 
-/// The middle of a face, its unit normal, and its size.
+/// Middle, unit normal and size of a face.
 struct Sample {
     middle: DVec3,
     normal: DVec3,
     size: f64,
 }
 
-/// Returns true if faces of `a` lie next to faces of `b` of about the same direction, some on one side and some on the
-/// other.
+/// Returns true if faces of `a` lie next to nearly parallel faces of `b`, some on one side and some on the other.
 fn weave(a: &TriMesh, b: &TriMesh) -> bool {
     let step = (a.triangles.len() / SAMPLES).max(1);
     let mut samples: Vec<Sample> =
@@ -90,8 +89,8 @@ fn sample(mesh: &TriMesh, i: usize) -> Option<Sample> {
     Some(Sample { middle: (a + b + c) / 3.0, normal, size: spanned.length().sqrt() })
 }
 
-/// Height of the middle of a face over a triangle of about the same direction below or above it; none where it lies too far
-/// off, or in the triangle.
+/// Returns the signed height of a face's middle over a nearly parallel triangle. Returns `None` if the face is too far
+/// from it, beside it, or in its plane.
 fn height_over(s: &Sample, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let normal = (b - a).cross(c - a).try_normalize()?;
     let along = normal.dot(s.normal);
@@ -102,6 +101,6 @@ fn height_over(s: &Sample, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     }
     let below = s.middle - normal * height;
     let within = [(a, b), (b, c), (c, a)].iter().all(|&(p, q)| (q - p).cross(below - p).dot(normal) >= 0.0);
-    // On which side of the first surface the second one is.
+    // Sign of the side of the first surface on which the second one lies.
     within.then_some(height * along.signum())
 }

@@ -1,4 +1,4 @@
-//! Pictures that show nothing but the environment.
+//! Check for pictures that show nothing but the environment.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use crate::geometry::{Aabb, Shape};
 use crate::render::Outcome;
 use crate::scene::{Dispersion, FresnelRule, Interface, Material, Rgb};
 
-/// No camera ray, and no ray that follows from one, meets an object that can be seen.
+/// No camera ray, and no ray of its tree, hits a visible object.
 pub(super) const CHECK: Check = Check { id: "nothing-seen", find: Find::InPicture(find) };
 
 fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
@@ -24,7 +24,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     vec![Finding { place, wrong, because, cure }]
 }
 
-/// Returns true if an object changes the light that meets it.
+/// Returns true if an object changes the light that hits it.
 pub(super) fn is_visible(facts: &Facts, object: usize) -> bool {
     let material = facts.material(object);
     let clear = |ior: f64, rule: FresnelRule, tint: Rgb| {
@@ -48,7 +48,7 @@ fn has_base(material: &Material) -> bool {
     material.answers_light() || material.emission != Rgb::ZERO || material.ambient != Rgb::ZERO
 }
 
-/// Reason and cure where rays meet objects that cannot be seen.
+/// Returns place, reason and cure if rays hit only invisible objects.
 fn invisible(facts: &Facts, object: usize) -> (Place, String, String) {
     let material = facts.material(object);
     let (what, cure) = match material.interface {
@@ -62,7 +62,7 @@ fn invisible(facts: &Facts, object: usize) -> (Place, String, String) {
     (Place::object(facts.scene, object), because, String::from(cure))
 }
 
-/// Reason and cure where no ray meets anything.
+/// Returns place, reason and cure if no ray hits anything.
 fn unmet(facts: &Facts) -> (Place, String, String) {
     let place = Place::file(facts.file);
     let scene = facts.scene;
@@ -97,7 +97,7 @@ fn unmet(facts: &Facts) -> (Place, String, String) {
     (place, because, cure)
 }
 
-/// A place as TOML has it.
+/// Formats a point as in TOML.
 fn triple(p: Vec3) -> String {
     format!("[{}, {}, {}]", p.x, p.y, p.z)
 }

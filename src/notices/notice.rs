@@ -1,4 +1,4 @@
-//! A finding of a check: a fault, its place, its reason and its cure.
+//! Finding of a check: a fault, its location, its reason and its cure.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,29 +6,29 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::scene::Scene;
 
-/// Place of a fault in a file.
+/// Location of a fault in a file.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Place {
-    /// The file, as the user named it. In JSON, bytes that are not UTF-8 are replaced.
+    /// File, as named by the user. In JSON, bytes that are not UTF-8 are replaced.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
-    /// Line, from 1; 0 where the fault concerns the whole file.
+    /// Line, from 1; 0 if the fault concerns the whole file.
     pub line: u32,
 }
 
-/// A file name as text.
+/// Serialises a file name as text.
 fn lossy<S: serde::Serializer>(file: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&file.to_string_lossy())
 }
 
 impl Place {
-    /// A file as a whole.
+    /// Returns the location of a whole file.
     #[must_use]
     pub fn file(file: &Path) -> Self {
         Self { file: file.to_owned(), line: 0 }
     }
 
-    /// Place where an object was read: its `[[mesh]]`, or the first of its faces in a model file.
+    /// Returns the location where an object was read: its `[[mesh]]`, or the first of its faces in a model file.
     #[must_use]
     pub fn object(scene: &Scene, object: usize) -> Self {
         let origin = &scene.objects[object].origin;
@@ -37,32 +37,32 @@ impl Place {
     }
 }
 
-/// A fault that a check found. The three texts are parts of one sentence, without a full stop.
+/// Fault found by a check. The three texts are parts of one sentence, without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Finding {
-    /// The place of the fault.
+    /// Location of the fault.
     #[serde(flatten)]
     pub place: Place,
-    /// The fault, with the names of the objects, materials or lights concerned in backquotes.
+    /// Fault, with the names of the objects, materials or lights concerned in backquotes.
     pub wrong: String,
-    /// Its most likely reason; empty where `wrong` leaves none open.
+    /// Most likely reason; empty if `wrong` already states it.
     pub because: String,
-    /// The cure: a change that the user can make.
+    /// Change that the user can make.
     pub cure: String,
 }
 
-/// A finding and the name of its kind. Its text is one line: place, fault, reason, cure.
+/// Finding with the identifier of its check. As text it is one line: location, fault, reason, cure.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Notice {
-    /// [`super::Check::id`] of the check that found it.
+    /// Identifier of the check that found it ([`super::Check::id`]).
     pub id: &'static str,
-    /// The finding.
+    /// Finding.
     #[serde(flatten)]
     pub finding: Finding,
 }
 
 impl Notice {
-    /// The error that it is under `--strict`, with the same text.
+    /// Returns the error for `--strict`, with the same text.
     #[must_use]
     pub fn into_error(self) -> Error {
         let (message, Place { file, line }) = (self.message(), self.finding.place);

@@ -1,26 +1,26 @@
-//! The notices of a scene for commands that make no picture of it.
+//! Notices of a scene for commands that render no picture.
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use super::{Facts, Notice, of_picture, of_scene};
 use crate::Result;
-use crate::accel::{Unbounded, native::Native};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects;
 use crate::load::LoadReport;
 use crate::render::{self, Observer, Options, Pixels, Shortfall};
 use crate::scene::{Scene, Settings};
 
-/// Pixels along each side of the first picture, at most.
+/// Largest number of pixels along each side of the first picture.
 const FIRST_LOOK: u32 = 96;
 
-/// The notices that a render of `scene` would report, with the scene's own settings and no effect left out.
+/// Returns the notices that a render of `scene` would report, with the scene's own settings and no effect left out.
 ///
-/// A small picture with one ray a pixel comes first. Only where a check finds something in it, the whole picture is made,
-/// whose findings count. The native back end makes both. The scene is returned as it was.
+/// First renders a small picture with one ray per pixel. If a check finds something in it, renders the whole picture,
+/// whose findings count. The native back end renders both. The scene is returned unchanged.
 ///
 /// # Errors
-/// As [`render::render`].
+/// Fails as [`render::render`] does.
 pub fn survey(
     file: &Path,
     scene: &mut Scene,
@@ -29,7 +29,7 @@ pub fn survey(
     observer: &Observer,
 ) -> Result<Vec<Notice>> {
     let options = Options { effects: effects::Options::default(), ..options.clone() };
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
         let mut outcome = render::render(scene, &accel, &options, observer)?;
         let pixels = Pixels::new(&accel, &options, observer);
@@ -49,7 +49,7 @@ pub fn survey(
     Ok(notices)
 }
 
-/// Settings of a picture of the same shape with few pixels.
+/// Returns the settings of a picture of the same shape with few pixels.
 fn first_look(settings: &Settings) -> Settings {
     let edge = settings.width.max(settings.height).max(1);
     let scaled = |x: u32| (u64::from(x) * u64::from(FIRST_LOOK.min(edge)) / u64::from(edge)).max(1) as u32;

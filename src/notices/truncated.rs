@@ -1,4 +1,4 @@
-//! Pictures that lack visible light because rays ended at a limit.
+//! Check for pictures that lack visible light because rays ended at a limit.
 
 use super::{Check, Facts, Find, Finding, Place};
 use crate::render::{Cure, Limit, Outcome, Shortfall};
@@ -57,7 +57,7 @@ fn cure(facts: &Facts, shortfall: &Shortfall) -> String {
     }
 }
 
-/// A share of light, never more than all.
+/// Formats a share of light, at most all of it.
 fn share(lacks: f64) -> String {
     if lacks >= 1.0 { String::from("all") } else { format!("{lacks:.3}") }
 }

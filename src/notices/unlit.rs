@@ -1,4 +1,4 @@
-//! Pictures of matt surfaces that no light reaches.
+//! Check for pictures of matt surfaces that no light reaches.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::render::record::Source;
 use crate::render::reference::Prepared;
 use crate::scene::{Colour, Rgb, ShadowRule};
 
-/// Matt surfaces are in view, and no light reaches any of them.
+/// Matt surfaces are visible, and no light reaches any of them.
 pub(super) const CHECK: Check = Check { id: "unlit", find: Find::InPicture(find) };
 
-/// Pixels along each side of the picture whose rays are followed to find what blocks the light.
+/// Number of pixels along each side of the picture whose rays are traced to find occluders.
 const PROBED: u32 = 12;
 
 fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
@@ -33,7 +33,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     vec![Finding { place: Place::object(facts.scene, first), wrong, because, cure }]
 }
 
-/// Returns true if an object can be seen, is dark without lamps and has a colour for their light.
+/// Returns true if an object is visible, dark without lamps, and reflects lamp light.
 fn is_matt(facts: &Facts, object: usize) -> bool {
     let coloured = facts.material(object).diffuse != Colour::Constant(Rgb::ZERO);
     coloured && is_visible(facts, object) && !glows(facts, object)
@@ -66,7 +66,7 @@ fn reason(facts: &Facts) -> (String, String) {
     (because, cure)
 }
 
-/// The object that blocks most light on its way to what is seen, and the light.
+/// Returns the object that blocks most light on its way to visible surfaces, and the light.
 fn blocker(facts: &Facts) -> Option<(usize, usize)> {
     let prepared = Prepared::with(facts.scene, facts.options);
     let (width, height) = (facts.scene.settings.width, facts.scene.settings.height);

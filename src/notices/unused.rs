@@ -1,8 +1,8 @@
-//! Materials of the scene file that nothing uses.
+//! Check for materials of the scene file that no shape uses.
 
 use super::{Check, Facts, Find, Finding, Place};
 
-/// A `[[material]]` without a `[[mesh]]`.
+/// A `[[material]]` is not used by any `[[mesh]]`.
 pub(super) const CHECK: Check = Check { id: "unused-material", find: Find::InScene(find) };
 
 fn find(facts: &Facts) -> Vec<Finding> {

@@ -1,27 +1,27 @@
-//! The position of a box in the picture.
+//! Position of a box in the picture.
 
 use glam::DVec3;
 
 use crate::geometry::Aabb;
 use crate::scene::{Projection, Scene};
 
-/// Place of a box in the picture.
+/// Position of a box in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Extent {
     /// All of it is behind the camera.
     Behind,
-    /// All of it lies beyond one edge of the picture.
+    /// All of it is beyond one edge of the picture.
     Beside,
-    /// Some of it may be in the picture; its larger side, in pixels.
+    /// Some of it may be visible; its larger side in pixels.
     Pixels(f64),
 }
 
-/// The camera's axes and angles.
+/// Axes and angles of a camera.
 pub(super) struct View {
     eye: DVec3,
-    /// Right, up and forward, of unit length.
+    /// Unit vectors to the right, up and forward.
     axes: [DVec3; 3],
-    /// Half of the picture's width and height: tangents of angles, or lengths where rays are parallel.
+    /// Half of the picture's width and height: tangents of angles, or lengths if rays are parallel.
     half: [f64; 2],
     parallel: bool,
     height: f64,
@@ -44,7 +44,7 @@ impl View {
         Self { eye, axes: [right, right.cross(forward), forward], half, parallel, height }
     }
 
-    /// Place of a box that is not empty.
+    /// Returns the position of a box that is not empty.
     pub(super) fn extent(&self, bounds: &Aabb) -> Extent {
         let ends = [bounds.lo.as_dvec3(), bounds.hi.as_dvec3()];
         let corner = |k: usize| DVec3::new(ends[k & 1].x, ends[k >> 1 & 1].y, ends[k >> 2].z) - self.eye;
@@ -52,8 +52,8 @@ impl View {
         if corners.iter().all(|c| c[2] <= 0.0) {
             return Extent::Behind;
         }
-        // Distance of the picture's edge from the axis at the depth of a corner. Below 0 behind the eye, so that this is
-        // the test against the plane through the eye and that edge.
+        // Distance of the picture's edge from the axis at the depth of a corner. It is below 0 behind the eye, which
+        // makes this the test against the plane through the eye and that edge.
         let edge = |c: &[f64; 3], axis: usize| self.half[axis] * if self.parallel { 1.0 } else { c[2] };
         let beyond = |axis: usize, sign: f64| corners.iter().all(|c| sign * c[axis] > edge(c, axis));
         if (0..2).any(|axis| beyond(axis, 1.0) || beyond(axis, -1.0)) {
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_box_is_behind_beside_or_so_many_pixels_wide() {
-        // Looks along -z; at a distance of 10 the picture is 20 units wide and high, ten pixels a unit.
+        // The camera looks along -z. At a distance of 10 the picture is 20 units wide and high, ten pixels per unit.
         let camera = Camera {
             eye: Vec3::ZERO,
             target: -Vec3::Z,

@@ -6,6 +6,7 @@
 use super::limit::Limit;
 use super::queue::Rgb8;
 use crate::math::Real;
+use crate::simd::set_lanes;
 
 /// Binary digits after the point.
 const FRACTION_BITS: i32 = 64;
@@ -139,18 +140,6 @@ impl Accumulator {
         let limit = Limit::heaviest(by_limit.map(|sums| sums.map(|s| s as f64)));
         PixelMean { radiance: to_float(radiance), truncated: to_float(truncated), limit }
     }
-}
-
-/// Iterates over the indices of the set bits, lowest first.
-#[inline(always)]
-pub fn set_lanes(mut bits: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        (bits != 0).then(|| {
-            let lane = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            lane
-        })
-    })
 }
 
 /// Returns `x * 2^64`, rounded towards zero, for finite `|x| <= 2^62`.

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::geometry::Ray;
 use crate::math::Real;
 use crate::optics::PlanarReflection;
 use crate::scene::{Camera, MapKind, Projection};
@@ -67,6 +68,13 @@ impl Lens {
             half_width: width as f32 * 0.5,
             half_height: height as f32 * 0.5,
         }
+    }
+
+    /// Returns the ray through a film position, as [`Lens::rays8`] does: of unit direction, from the eye to infinity.
+    #[must_use]
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        let (origin, dir) = self.rays8(x.into(), y.into());
+        Ray::new(origin.lane(0), dir.lane(0))
     }
 
     /// Returns origins and unit directions of the rays through film positions in pixels. `x` counts from the left edge

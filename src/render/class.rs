@@ -86,7 +86,7 @@ pub fn class_of(bin: usize) -> Class {
 /// Objects whose hits share packets, because the same stages shade them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SharedShading {
-    /// Name of their class ([`Class::name`]).
+    /// Name of their class.
     pub surface: &'static str,
     /// True if the surfaces also have a base: emission, ambient light, or reflection of lamps.
     pub base: bool,

@@ -14,6 +14,7 @@ mod class;
 mod extent;
 mod extra;
 mod eye;
+mod first_hits;
 mod lamp;
 mod light;
 mod limit;
@@ -21,6 +22,7 @@ mod lookup;
 mod maps;
 mod media;
 mod medium;
+mod memory;
 mod options;
 mod outcome;
 mod passes;
@@ -31,7 +33,6 @@ mod planar;
 mod queue;
 pub mod record;
 pub mod reference;
-mod room;
 mod shading;
 mod shadow;
 mod shortfall;
@@ -47,15 +48,17 @@ mod unmatched;
 mod worker;
 
 pub use accumulate::PixelMean;
+pub use camera::Lens;
 pub use ceiling::Ceiling;
 pub use class::{SharedShading, shared_shading};
+pub use first_hits::{FirstHit, first_hits};
 pub use limit::Limit;
+pub use memory::need;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{
     MapsReport, MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound,
 };
 pub use pattern::FilmRay;
-pub use room::need;
 pub use shortfall::{Again, Cure, Shortfall};
 pub use unmatched::UnmatchedExits;
 
@@ -127,19 +130,19 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let scene = &*effects::without(scene, options.effects.without);
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
-    room::need_with(settings, options.thread_count().min(tiles.len()))?;
+    memory::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
-    let ready = Ready::of(scene, accel, options).with_shafts(scene, accel);
-    planar::possible(scene, ready.mirrors.as_ref())?;
-    let ready = ready.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
-    let parts = each(scene, accel, &ready, options, observer, &tiles, &|tile| _ = done(tile))?;
+    let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
+    planar::possible(scene, facts.mirrors.as_ref())?;
+    let facts = facts.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
+    let parts = render_tiles(scene, accel, &facts, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
     let mut truncated = Film::new(settings.width, settings.height);
     let mut limits = vec![None; film.pixels.len()];
-    let mut tally = Tally::default();
+    let mut counts = ThreadCounts::default();
     for (results, part) in parts {
-        tally.merge(&part);
+        counts.merge(&part);
         for TileResult { tile, pixels, .. } in results {
             for (row, line) in pixels.chunks(tile.width as usize).enumerate() {
                 let start = (tile.y as usize + row) * settings.width as usize + tile.x as usize;
@@ -156,16 +159,16 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         truncated,
         limits,
         shortfall: None,
-        rays: tally.rays,
-        non_finite: tally.non_finite,
-        clamped: tally.clamped,
-        unmatched_exits: tally.unmatched_exits.total(),
-        unmatched_objects: tally.unmatched_exits.worst_first(),
-        streams: tally.streams,
-        touching: ready.touching,
-        seen: tally.seen,
-        planar: ready.mirrors.map(|mirrors| tally.planar.of_mirrors(&mirrors)),
-        maps: ready.maps.map(|taken| taken.report(tally.without_map)),
+        rays: counts.rays,
+        non_finite: counts.non_finite,
+        clamped: counts.clamped,
+        unmatched_exits: counts.unmatched_exits.total(),
+        unmatched_objects: counts.unmatched_exits.worst_first(),
+        streams: counts.streams,
+        touching: facts.touching,
+        seen: counts.seen,
+        planar: facts.mirrors.map(|mirrors| counts.planar.of_mirrors(&mirrors)),
+        maps: facts.maps.map(|taken| taken.report(counts.without_map)),
     })
 }
 
@@ -174,14 +177,14 @@ pub struct Pixels<'a, I: Intersector> {
     accel: &'a I,
     options: &'a Options,
     observer: &'a Observer,
-    ready: OnceCell<Ready<'a>>,
+    facts: OnceCell<SceneFacts<'a>>,
 }
 
 impl<'a, I: Intersector> Pixels<'a, I> {
     /// Creates the renderer from the arguments of [`render`]. Does no work yet.
     #[must_use]
     pub fn new(accel: &'a I, options: &'a Options, observer: &'a Observer) -> Self {
-        Self { accel, options, observer, ready: OnceCell::new() }
+        Self { accel, options, observer, facts: OnceCell::new() }
     }
 
     /// Renders the pixels `which`, given by column and row from 0 at the upper left, as [`render`] does, to the bit.
@@ -194,17 +197,18 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let ready = if let Some(ready) = self.ready.get() {
-            ready
-        } else {
-            let maps = Taken::of(scene, options, &ByAccel { accel, observer })?;
-            let ready = Ready::of(scene, accel, options).with_shafts(scene, accel).with_maps(maps);
-            self.ready.get_or_init(|| ready)
+        let facts = match self.facts.get() {
+            Some(facts) => facts,
+            None => {
+                let maps = Taken::of(scene, options, &ByAccel { accel, observer })?;
+                let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?.with_maps(maps);
+                self.facts.get_or_init(|| facts)
+            }
         };
-        let parts = each(scene, accel, ready, options, observer, &tiles, &|_| ())?;
+        let parts = render_tiles(scene, accel, facts, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
-        for (results, tally) in parts {
-            again.rays += tally.rays.total();
+        for (results, counts) in parts {
+            again.rays += counts.rays.total();
             results.iter().for_each(|result| again.pixels[result.number] = result.pixels[0]);
         }
         Ok(again)
@@ -212,7 +216,7 @@ impl<'a, I: Intersector> Pixels<'a, I> {
 }
 
 /// Facts of a scene computed before its first ray, independent of its limits.
-struct Ready<'a> {
+struct SceneFacts<'a> {
     bodies: Bodies,
     contacts: Contacts,
     touching: TouchingFound,
@@ -228,7 +232,7 @@ struct Ready<'a> {
     past: Option<u32>,
 }
 
-impl<'a> Ready<'a> {
+impl<'a> SceneFacts<'a> {
     /// Computes the facts of `scene`, from which effects have already been left out.
     fn of<I: Intersector>(scene: &Scene, accel: &I, options: &Options) -> Self {
         let bodies = Bodies::of(scene);
@@ -242,9 +246,9 @@ impl<'a> Ready<'a> {
     }
 
     /// Adds the shafts if the scene's area lamps need them.
-    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Self {
-        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
-        Self { shafts, ..self }
+    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Result<Self> {
+        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry)).transpose()?;
+        Ok(Self { shafts, ..self })
     }
 
     /// The same with maps.
@@ -266,27 +270,27 @@ impl<'a> Ready<'a> {
 }
 
 /// Renders `tiles` of a scene from which effects have already been left out. Returns each thread's results and counts.
-fn each<I: Intersector>(
+fn render_tiles<I: Intersector>(
     scene: &Scene,
     accel: &I,
-    ready: &Ready,
+    facts: &SceneFacts,
     options: &Options,
     observer: &Observer,
     tiles: &[Tile],
     done: &(dyn Fn(&Tile) + Sync),
-) -> Result<Vec<(Vec<TileResult>, Tally)>> {
+) -> Result<Vec<(Vec<TileResult>, ThreadCounts)>> {
     let tolls = Ceiling::asked(scene, options)?;
-    let (stages, media) = (ready.stages(scene, options), ready.media());
+    let (stages, media) = (facts.stages(scene, options), facts.media());
     let next = AtomicUsize::new(0);
     let samples = scene.settings.samples * scene.settings.samples;
 
-    let work = || -> Result<(Vec<TileResult>, Tally)> {
+    let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
-        worker.shading.shafts = ready.shafts.as_ref();
-        if let Some(mirrors) = &ready.mirrors {
+        worker.shading.shafts = facts.shafts.as_ref();
+        if let Some(mirrors) = &facts.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
-        worker.shading.maps = ready.maps.as_ref().map(|taken| &*taken.maps);
+        worker.shading.maps = facts.maps.as_ref().map(|taken| &*taken.maps);
         let mut results = Vec::new();
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
@@ -296,7 +300,7 @@ fn each<I: Intersector>(
             results.push(TileResult { number, tile, pixels });
             done(&tile);
         }
-        Ok((results, Tally::of(&worker)))
+        Ok((results, ThreadCounts::of(&worker)))
     };
 
     let count = options.thread_count().min(tiles.len());
@@ -330,8 +334,8 @@ pub fn recorded<I: Intersector>(
     (x, y): (u32, u32),
 ) -> Result<([f32; 3], [f32; 3], record::Tree)> {
     let scene = &*effects::without(scene, options.effects.without);
-    let ready = Ready::of(scene, accel, options);
-    let (stages, media) = (ready.stages(scene, options), ready.media());
+    let facts = SceneFacts::of(scene, accel, options);
+    let (stages, media) = (facts.stages(scene, options), facts.media());
     if stages.carries {
         return Err(Error::Usage(String::from(
             "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
@@ -358,7 +362,7 @@ fn contacts(scene: &Scene, options: &Options) -> (Contacts, TouchingFound) {
 
 /// Counts of one thread.
 #[derive(Default)]
-struct Tally {
+struct ThreadCounts {
     rays: RayCounts,
     non_finite: u64,
     clamped: u64,
@@ -369,7 +373,7 @@ struct Tally {
     without_map: u64,
 }
 
-impl Tally {
+impl ThreadCounts {
     fn of<I: Intersector>(worker: &Worker<I>) -> Self {
         Self {
             rays: worker.shading.counts.clone(),

@@ -4,38 +4,37 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use crate::effects;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::systems::maps::{Maps, Proxy};
 
-/// Treatment of the light that surfaces reflect. Mirrors that show the environment are not affected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Reflection {
-    /// Traces a ray.
-    #[default]
-    Traced,
-    /// Looks up the environment in the mirror direction, at any depth and ignoring occluders.
-    Environment,
-    /// Leaves the light out and counts its weight as truncated.
-    None,
-    /// Traces rays of the camera's mirror image for planar mirrors that the camera sees, directly or in other planar
-    /// mirrors ([`crate::systems`]). For all others, traces a ray.
-    Planar,
-    /// Looks each reflector's surroundings up in a cube map taken from its centre ([`crate::systems::maps`]).
-    CubeMap,
-    /// The same in a sphere map.
-    SphereMap,
+crate::choice! {
+    /// Source of reflected light.
+    ///
+    /// Mirrors whose own source is the environment are not affected.
+    pub enum Reflection("reflection", derive(Eq, Hash), default(Traced)) {
+        /// None: reflected light is left out and counted as truncated weight.
+        "none" => None,
+        /// Environment in the mirror direction, at any depth and through all objects.
+        "environment" => Environment,
+        /// Sphere map of each reflector's surroundings, taken from its centre.
+        "sphere-map" => SphereMap,
+        /// Cube map of each reflector's surroundings, taken from its centre.
+        "cube-map" => CubeMap,
+        /// Rays of the camera's mirror image, in planar mirrors that it sees; reflected rays elsewhere.
+        "planar" => Planar,
+        /// Reflected rays.
+        "traced" => Traced,
+    }
 }
 
 /// Options of one render. Threads and tiles do not change the picture.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Formula for the reflectance of dielectrics.
+    /// Formula for the share of light that a surface reflects.
     pub fresnel: FresnelModel,
-    /// Formula for the direction of refracted rays.
+    /// Formula for the direction of refracted light.
     pub refraction: RefractionModel,
-    /// Constant of [`RefractionModel::Oliveira`]; unused by other formulas.
-    pub oliveira: Oliveira,
-    /// Treatment of reflected light.
+    /// Source of reflected light.
     pub reflection: Reflection,
     /// Largest number of consecutive mirrors that a camera is mirrored in, under [`Reflection::Planar`]. Light that would
     /// need more is left out, and its weight is counted as truncated.
@@ -62,7 +61,6 @@ impl Default for Options {
         Self {
             fresnel: FresnelModel::Exact,
             refraction: RefractionModel::Stable,
-            oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
             mirror_levels: u32::MAX,
             proxy: Proxy::None,

@@ -6,7 +6,6 @@
 //! pass of its own, whose matrix is the product and whose mask is what the outer mask left of it: levels of a hall of
 //! mirrors. All rays of a pass come from one point and go through neighbouring pixels, as camera rays do.
 
-use super::accumulate::set_lanes;
 use super::camera::Lens;
 use super::media::StackId;
 use super::outcome::MirrorLevel;
@@ -17,6 +16,7 @@ use crate::geometry::Ray8;
 use crate::math::Real;
 use crate::optics::PlanarReflection;
 use crate::scene::{Rgb, Scene};
+use crate::simd::set_lanes;
 use crate::simd::{F32x8, Vec3x8};
 use crate::systems::planar::{Mirror, Mirrors};
 

@@ -1,9 +1,9 @@
 //! Rays that pass an object as if it were not there.
 
-use super::accumulate::set_lanes;
 use super::split::lane_bits;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
+use crate::simd::set_lanes;
 
 /// Surfaces of the object that a ray may pass in a row.
 const MOST: usize = 1024;

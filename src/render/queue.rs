@@ -2,11 +2,10 @@
 
 use glam::Vec3;
 
-use super::accumulate::set_lanes;
 use super::extra::Extra8;
 use super::media::StackId;
 use crate::geometry::{GeometryMask, Ray8};
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{F32x8, Vec3x8, set_lanes};
 
 /// Eight linear colours.
 pub type Rgb8 = Vec3x8;

@@ -23,9 +23,9 @@ use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Contacts;
 use crate::math::Real;
-use crate::optics::{Oliveira, Spectrum, transmittance};
+use crate::optics::{RefractionModel, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 use crate::systems::maps::{Maps, Proxy};
 
 /// Factor that makes up for rounding tolls down to `f32`.
@@ -33,7 +33,7 @@ const ROUNDED_UP: f32 = 1.0 + 1e-6;
 
 /// Secondary rays held back until budgets decide which of them end.
 #[derive(Clone, Debug)]
-struct Held {
+struct HeldRays {
     lanes: u8,
     kind: RayKind,
     origin: Vec3x8,
@@ -57,8 +57,8 @@ pub struct Shading<'a> {
     /// Arrivals of the chunk's rays and of their shadow rays where surfaces touch.
     pub arrivals: Arrivals,
     pub shadow_arrivals: Arrivals,
-    /// Constant of Oliveira's refraction formula.
-    pub oliveira: Oliveira,
+    /// Formula for the direction of refracted light, with its constant.
+    pub refraction: RefractionModel,
     /// Stage for reflected light.
     pub reflect: ReflectStage,
     /// Classes of geometry that block a shadow ray.
@@ -74,7 +74,7 @@ pub struct Shading<'a> {
     /// Upper bounds on the tolls of rays of weight 1, if budgets decide which rays end.
     pub tolls: Option<&'a Ceiling>,
     /// Rays of the current stream that [`Self::settle`] has yet to decide on.
-    held: Vec<Held>,
+    held: Vec<HeldRays>,
     pub accumulator: Accumulator,
     pub counts: RayCounts,
     pub unmatched_exits: UnmatchedExits,
@@ -121,7 +121,7 @@ impl<'a> Shading<'a> {
             touching: Touching::new(contacts),
             arrivals: Arrivals::default(),
             shadow_arrivals: Arrivals::default(),
-            oliveira: options.oliveira,
+            refraction: stages.refraction,
             reflect: mirrored::pick(options.reflection, scene),
             shadow_admits: stages.shadow_admits,
             carries: stages.carries,
@@ -222,7 +222,7 @@ impl<'a> Shading<'a> {
     #[cold]
     fn hold(&mut self, lanes: u8, new: &Spawn8, kind: RayKind) {
         let carrying = lanes & !new.weight.max_component().eq(F32x8::ZERO).bits();
-        self.held.push(Held {
+        self.held.push(HeldRays {
             lanes: carrying,
             kind,
             origin: new.origin,
@@ -245,7 +245,7 @@ impl<'a> Shading<'a> {
         let too_deep = depth >= self.max_depth;
         let held = std::mem::take(&mut self.held);
         for family in held.chunk_by(|a, b| a.place == b.place) {
-            let costs = |ray: &Held| {
+            let costs = |ray: &HeldRays| {
                 let zero = Vec3x8::splat(Rgb::ZERO);
                 Vec3x8::select(Mask8::from_bits(ray.lanes), ray.weight.times(toll), zero)
             };
@@ -333,7 +333,7 @@ impl<'a> Shading<'a> {
     pub fn absorbed(&self, lanes: u8, stack: &[StackId; 8], t: F32x8) -> Option<Rgb8> {
         let mut coefficient = Vec3x8::splat(Rgb::ZERO);
         let mut any = false;
-        for k in super::accumulate::set_lanes(lanes) {
+        for k in set_lanes(lanes) {
             if let Some(absorption) = self.media.absorption(stack[k]) {
                 coefficient.set_lane(k, absorption);
                 any = true;

@@ -16,7 +16,7 @@ use crate::accel::Shafts;
 use crate::geometry::{Content, Shaft, ShaftEnd};
 use crate::math::{Real, Vector3};
 use crate::scene::{Falloff, LampSampling, Light, LightKind, Scene, Spread};
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{F32x8, Vec3x8, set_lanes};
 
 /// Number of samples up to which shadow rays cost less than testing a shaft.
 const TOO_FEW: u32 = 4;
@@ -35,9 +35,9 @@ pub struct SoftStages {
     /// True if the lamp casts shadows.
     pub shadows: bool,
     /// Adds the lamp's light without testing for shadows.
-    pub open: SoftStage,
+    pub unoccluded: SoftStage,
     /// Adds the light of samples that need no shadow ray, and queues shadow rays for the others.
-    pub ask: SoftStage,
+    pub shadowed: SoftStage,
     /// Number of surface packets per call.
     pub surfaces: usize,
 }
@@ -53,14 +53,14 @@ pub fn pick(light: &Light, shiny: bool, sampling: &LampSampling) -> Option<SoftS
 }
 
 fn pick_for<L: Lamp>(light: &Light, shiny: bool, sampling: &LampSampling) -> SoftStages {
-    let [open, ask]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
-        (false, false) => [open::<L, false, false>, ask::<L, false, false>],
-        (false, true) => [open::<L, false, true>, ask::<L, false, true>],
-        (true, false) => [open::<L, true, false>, ask::<L, true, false>],
-        (true, true) => [open::<L, true, true>, ask::<L, true, true>],
+    let [unoccluded, shadowed]: [SoftStage; 2] = match (light.falloff == Falloff::InverseSquare, shiny) {
+        (false, false) => [unoccluded::<L, false, false>, shadowed::<L, false, false>],
+        (false, true) => [unoccluded::<L, false, true>, shadowed::<L, false, true>],
+        (true, false) => [unoccluded::<L, true, false>, shadowed::<L, true, false>],
+        (true, true) => [unoccluded::<L, true, true>, shadowed::<L, true, true>],
     };
     let surfaces = (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1);
-    SoftStages { shadows: light.shadows, open, ask, surfaces }
+    SoftStages { shadows: light.shadows, unoccluded, shadowed, surfaces }
 }
 
 /// Returns true if shaft tests can save shadow rays in this scene and the settings ask for them.
@@ -193,7 +193,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
     /// Returns the lanes that the whole lamp lights unoccluded, and the lanes that need a shadow ray per sample.
     fn sorted(&self, shading: &Shading, light: &Light, shafts: &Shafts) -> (u8, u8) {
         let (mut clear, mut traced) = (0, 0);
-        for lane in super::accumulate::set_lanes(self.surface.base_lanes) {
+        for lane in set_lanes(self.surface.base_lanes) {
             // Where surfaces touch, only rays can cross the layers.
             let layered = self.surface.returning[lane] != 0;
             let content = match self.view(light, lane) {
@@ -246,7 +246,7 @@ impl<'a, L: Lamp> Shine<'a, L> {
     }
 }
 
-fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
+fn unoccluded<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     shading: &mut Shading,
     number: usize,
     surfaces: &[Surface8],
@@ -263,7 +263,7 @@ fn open<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     }
 }
 
-fn ask<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
+fn shadowed<L: Lamp, const PHYSICAL: bool, const SHINY: bool>(
     shading: &mut Shading,
     number: usize,
     surfaces: &[Surface8],

@@ -78,11 +78,11 @@ impl Stages {
     pub fn of(scene: &Scene, reach: &Reach, eye_media: &[u32], touching: bool, options: &Options) -> Self {
         let all = options.effects.pipeline == Pipeline::All;
         let touching = touching || all;
-        let call = Call { scene, reach, options, all, touching, missed: &reach.unmet };
-        let shadows = Call { missed: &reach.sealed, ..call };
+        let picker = StagePicker { scene, reach, options, all, touching, missed: &reach.unmet };
+        let shadows = StagePicker { missed: &reach.sealed, ..picker };
         let absorbs = |m: u32| scene.media[m as usize].absorption != Rgb::ZERO;
         let around = all || absorbs(0) || eye_media.iter().any(|&m| absorbs(m));
-        let absorbing = around || call.media().any(absorbs);
+        let absorbing = around || picker.media().any(absorbs);
         let absorbing_shadows = around || shadows.media().any(absorbs);
         let transmissive = |o: usize| scene.geometry[o].mask.meets(GeometryMask::TRANSMISSIVE);
         let through = all || absorbing_shadows || shadows.objects().any(transmissive);
@@ -94,10 +94,10 @@ impl Stages {
         Self {
             refraction: options.bending(),
             medium: absorbing.then_some(medium::absorb as MediumStage),
-            miss: if call.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
+            miss: if picker.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
             touching,
             carries: options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some(),
-            bins: std::array::from_fn(|bin| call.bin(bin)),
+            bins: std::array::from_fn(|bin| picker.bin(bin)),
             shadow_admits: if march.is_some() { GeometryMask::OPAQUE } else { GeometryMask::ALL },
             march,
         }
@@ -106,7 +106,7 @@ impl Stages {
 
 /// Inputs for picking the stages.
 #[derive(Clone, Copy)]
-struct Call<'a> {
+struct StagePicker<'a> {
     scene: &'a Scene,
     reach: &'a Reach,
     options: &'a Options,
@@ -117,7 +117,7 @@ struct Call<'a> {
     missed: &'a [bool],
 }
 
-impl<'a> Call<'a> {
+impl<'a> StagePicker<'a> {
     /// Returns the objects that rays can hit.
     fn objects(self) -> impl Iterator<Item = usize> {
         (0..self.scene.objects.len()).filter(move |&o| self.all || !self.missed[o])

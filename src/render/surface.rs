@@ -157,16 +157,16 @@ impl Surface8 {
             }
         }
         let material = hit.map(|hit| scene.objects[hit.geometry as usize].material);
-        let place = Place::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
+        let raw = RawSurface8::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
 
         // The geometric normal decides the side; both normals then face the ray.
-        let facing = incident.dot(place.outward);
+        let facing = incident.dot(raw.outward);
         let front = facing.lt(F32x8::ZERO);
-        let normal = Vec3x8::select(front, place.outward, -place.outward);
-        let shading = if SMOOTH && place.interpolated.any() {
-            let towards = place.shading.dot(normal).lt(F32x8::ZERO);
-            let faced = Vec3x8::select(towards, -place.shading, place.shading);
-            Vec3x8::select(place.interpolated, consistent_normal(incident, normal, faced), normal)
+        let normal = Vec3x8::select(front, raw.outward, -raw.outward);
+        let shading = if SMOOTH && raw.interpolated.any() {
+            let towards = raw.shading.dot(normal).lt(F32x8::ZERO);
+            let faced = Vec3x8::select(towards, -raw.shading, raw.shading);
+            Vec3x8::select(raw.interpolated, consistent_normal(incident, normal, faced), normal)
         } else {
             normal
         };
@@ -174,11 +174,11 @@ impl Surface8 {
         Self {
             active,
             incident,
-            point: place.point,
+            point: raw.point,
             normal,
             shading,
-            interpolated: place.interpolated,
-            reach: place.reach,
+            interpolated: raw.interpolated,
+            reach: raw.reach,
             front,
             hit,
             material,
@@ -242,7 +242,7 @@ impl Surface8 {
 }
 
 /// Eight surface points with outward normals, before the side of arrival is known.
-struct Place {
+struct RawSurface8 {
     point: Vec3x8,
     outward: Vec3x8,
     /// Interpolated unit normals; meaningless in lanes that are not `interpolated`.
@@ -251,7 +251,7 @@ struct Place {
     reach: F32x8,
 }
 
-impl Place {
+impl RawSurface8 {
     fn flat(Spot { point, outward, reach }: Spot<F32x8>) -> Self {
         Self { point, outward, shading: outward, interpolated: Mask8::NONE, reach }
     }
@@ -303,7 +303,7 @@ impl Place {
 
         let on_sphere = || Spot::on_sphere(anchor, radius, origin, dir, t);
         let on_plane = || Spot::on_plane(anchor, axis, dir.fma(t, origin));
-        let mut place = Self::flat(if MESHES {
+        let mut raw = Self::flat(if MESHES {
             Spot::on_triangle(corners, u, v)
         } else if SPHERES {
             on_sphere()
@@ -314,16 +314,16 @@ impl Place {
             let mixed = corner_normals[0] * (F32x8::ONE - u - v) + corner_normals[1] * u + corner_normals[2] * v;
             // Opposed vertex normals can cancel. The geometric normal replaces the result there.
             let usable = Mask8::from_bits(smooth) & mixed.length_squared().gt(F32x8::from(1e-12));
-            place.shading = Vec3x8::select(usable, mixed.normalized(), place.outward);
-            place.interpolated = usable;
+            raw.shading = Vec3x8::select(usable, mixed.normalized(), raw.outward);
+            raw.interpolated = usable;
         }
         if MESHES && SPHERES && spheres != 0 {
-            place.replace(Mask8::from_bits(spheres), &on_sphere());
+            raw.replace(Mask8::from_bits(spheres), &on_sphere());
         }
         if (MESHES || SPHERES) && PLANES && planes != 0 {
-            place.replace(Mask8::from_bits(planes), &on_plane());
+            raw.replace(Mask8::from_bits(planes), &on_plane());
         }
-        place
+        raw
     }
 
     fn replace(&mut self, lanes: Mask8, other: &Spot<F32x8>) {

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::accumulate::set_lanes;
 use super::camera::{Lens, sample_offset};
 use super::ceiling::Ceiling;
 use super::class::{BINS, bin_of};
@@ -24,7 +23,7 @@ use crate::accel::{Coherence, Intersector};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray8};
 use crate::scene::{Bodies, Scene};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 use crate::{Error, Result};
 
 /// Largest number of consecutive surfaces that a ray may pass.
@@ -364,10 +363,10 @@ impl<'a, I: Intersector> Worker<'a, I> {
                 stage(&mut worker.shading, lamp, &worker.surfaces[part.clone()], &worker.bases[part.clone()], depth);
             };
             if !soft.shadows {
-                run(self, soft.open);
+                run(self, soft.unoccluded);
                 continue;
             }
-            run(self, soft.ask);
+            run(self, soft.shadowed);
             if self.shading.shadows.len() >= CHUNK_PACKETS * 8 {
                 self.flush_shadows(depth, coherence);
             }
@@ -381,11 +380,11 @@ impl<'a, I: Intersector> Worker<'a, I> {
             let first = (packet * 8) as HitRef;
             // Neighbouring rays mostly hit the same object.
             if ray.active == u8::MAX && hit.geometry == [hit.geometry[0]; 8] {
-                let places: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
-                self.places_on(hit.geometry[0]).extend_from_slice(&places);
+                let refs: [HitRef; 8] = std::array::from_fn(|lane| first + lane as HitRef);
+                self.hits_on(hit.geometry[0]).extend_from_slice(&refs);
             } else {
                 for lane in set_lanes(ray.active) {
-                    self.places_on(hit.geometry[lane]).push(first + lane as HitRef);
+                    self.hits_on(hit.geometry[lane]).push(first + lane as HitRef);
                 }
             }
         }
@@ -393,7 +392,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
 
     /// Returns the list of hits for an object's bin, or the list of misses if `object` is none.
     #[inline(always)]
-    fn places_on(&mut self, object: u32) -> &mut Vec<HitRef> {
+    fn hits_on(&mut self, object: u32) -> &mut Vec<HitRef> {
         match self.bin_of.get(object as usize) {
             Some(&bin) => {
                 self.met[object as usize] = true;

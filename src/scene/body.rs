@@ -1,37 +1,38 @@
-//! Bodies of transparent media, and which of them wins where several overlap.
+//! Bodies of transparent media, and the one that fills space where several overlap.
 
 use glam::DVec3;
 
 use super::{Interface, Scene};
 use crate::geometry::{Shape, TriMesh};
 
-/// Relative difference of two volumes below which they are equal.
+/// Relative difference below which two volumes count as equal.
 const EQUAL_VOLUMES: f64 = 1e-5;
 
-/// The transparent bodies of a scene, ranked.
+/// Transparent bodies of a scene, ranked.
 ///
-/// Of bodies that overlap, the one of the highest rank fills the space: of the highest priority; among equal priorities that
-/// of the smaller closed volume; among equal volumes that of the higher index, then of the stronger absorption. So a
-/// bubble is air and a stone in water is stone, in whatever order the surfaces are met. Objects of one material are one
-/// body unless an object of another medium comes between them in that order.
+/// Where bodies overlap, the one of the highest rank fills the space. Rank is decided by the highest priority, then the
+/// smaller closed volume, then the higher index, then the stronger absorption. So a bubble is air and a stone in water
+/// is stone, in whatever order the surfaces are hit. Objects of one medium form one body unless an object of another
+/// medium comes between them in rank.
 ///
-/// The volume of a mesh is that which its faces enclose; an open one counts with its bounding box, a plane as infinite.
+/// The volume of a mesh is that enclosed by its faces. An open mesh counts with its bounding box, and a plane as
+/// infinite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bodies {
-    /// By object; `u32::MAX` where it holds no medium.
+    /// By object; `u32::MAX` if it bounds no medium.
     of_object: Vec<u32>,
-    /// Body 0 is what surrounds everything.
+    /// Body 0 is the medium that surrounds everything.
     bodies: Vec<Body>,
 }
 
-/// One body.
+/// Body of one medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Body {
     medium: u32,
     rank: u32,
 }
 
-/// A transparent object on its way to a rank.
+/// Transparent object that has no rank yet.
 struct Solid {
     object: usize,
     medium: u32,
@@ -49,7 +50,7 @@ impl Bodies {
         let priority = |m: u32| scene.media[m as usize].priority;
         for i in 0..solids.len() {
             let Solid { object, medium, .. } = solids[i];
-            // Volumes decide between different media of one priority alone.
+            // Volumes only decide between different media of one priority.
             let contested = solids.iter().any(|s| priority(s.medium) == priority(medium) && s.medium != medium);
             if contested {
                 solids[i].volume = volume(&scene.geometry[object].shape);
@@ -79,7 +80,7 @@ impl Bodies {
             }
             bodies.of_object[solid.object] = bodies.bodies.len() as u32 - 1;
         }
-        // A medium that only the camera names surrounds what it holds: it yields to all bodies of its priority.
+        // A medium that only the camera names surrounds its contents, so it yields to all bodies of its priority.
         for medium in 1..scene.media.len() as u32 {
             if bodies.bodies.iter().all(|body| body.medium != medium) {
                 let below = bodies.bodies[1..].iter().filter(|b| priority(b.medium) < priority(medium));
@@ -90,7 +91,7 @@ impl Bodies {
         bodies
     }
 
-    /// A body for each medium, numbered alike and ranked by priority.
+    /// Returns a body for each medium, with the same index, ranked by priority.
     #[cfg(test)]
     pub(crate) fn one_each(media: &[super::Medium]) -> Self {
         let rank = |m: &super::Medium| media.iter().filter(|other| other.priority < m.priority).count() as u32;
@@ -98,34 +99,34 @@ impl Bodies {
         Self { of_object: Vec::new(), bodies }
     }
 
-    /// Number of bodies, the surrounding one included.
+    /// Returns the number of bodies, including the surrounding one.
     #[must_use]
     pub fn count(&self) -> usize {
         self.bodies.len()
     }
 
-    /// The body of an object; none where it holds no medium.
+    /// Returns the body of an object, or `None` if it bounds no medium.
     #[inline]
     #[must_use]
     pub fn of_object(&self, object: u32) -> Option<u32> {
         self.of_object.get(object as usize).copied().filter(|&body| body != u32::MAX)
     }
 
-    /// The medium of a body, a place in [`Scene::media`].
+    /// Returns the medium of a body, as an index into [`Scene::media`].
     #[inline]
     #[must_use]
     pub fn medium(&self, body: u32) -> u32 {
         self.bodies[body as usize].medium
     }
 
-    /// The rank of a body; the higher one fills the space where two overlap.
+    /// Returns the rank of a body. The body of higher rank fills the space where two overlap.
     #[inline]
     #[must_use]
     pub fn rank(&self, body: u32) -> u32 {
         self.bodies[body as usize].rank
     }
 
-    /// A body of the medium: the one of the highest rank.
+    /// Returns the body of a medium; of several, the one of the highest rank.
     #[must_use]
     pub fn of_medium(&self, medium: u32) -> u32 {
         let of = |&b: &u32| self.bodies[b as usize].medium == medium;
@@ -133,12 +134,12 @@ impl Bodies {
     }
 }
 
-/// Within [`EQUAL_VOLUMES`]; infinite ones are equal.
+/// Returns true if two volumes agree within [`EQUAL_VOLUMES`]; infinite ones are equal.
 fn equal_volumes(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= EQUAL_VOLUMES * a.max(b) && a.is_finite() && b.is_finite()
 }
 
-/// The volume that a shape encloses, in cubic scene units.
+/// Returns the volume that a shape encloses, in cubic scene units.
 fn volume(shape: &Shape) -> f64 {
     match shape {
         Shape::Plane(_) => f64::INFINITY,
@@ -147,8 +148,8 @@ fn volume(shape: &Shape) -> f64 {
     }
 }
 
-/// By the divergence theorem about the middle of the box; of the box, where the faces do not close. The areas of a closed
-/// surface sum to zero as vectors.
+/// Returns the volume of a mesh by the divergence theorem about the middle of its box, or that of the box if the faces
+/// do not close. A surface is closed if its area vectors sum to zero.
 fn volume_of_mesh(mesh: &TriMesh) -> f64 {
     let bounds = mesh.bounds();
     if bounds.is_empty() {
@@ -168,7 +169,7 @@ fn volume_of_mesh(mesh: &TriMesh) -> f64 {
 }
 
 impl Scene {
-    /// The medium inside an object; none where its surface bounds none.
+    /// Returns the medium inside an object, or `None` if its surface bounds no medium.
     #[must_use]
     pub fn medium_of(&self, object: usize) -> Option<u32> {
         match self.materials[self.objects[object].material as usize].interface {

@@ -1,25 +1,25 @@
-//! The viewpoint.
+//! Camera of a scene.
 
 use glam::Vec3;
 
 use super::MapKind;
 
-/// A camera. The picture's x runs right and y down; the middle of the picture looks from `eye` at `target`.
+/// Camera. In the picture x runs right and y down; the middle of the picture looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands, in scene units.
+    /// Position in scene units.
     pub eye: Vec3,
-    /// What the middle of the picture shows; differs from `eye`.
+    /// Point shown in the middle of the picture; differs from `eye`.
     pub target: Vec3,
-    /// Which way is up; not parallel to the view.
+    /// Up direction; not parallel to the view.
     pub up: Vec3,
-    /// How directions map to the picture.
+    /// Mapping from directions to the picture.
     pub projection: Projection,
-    /// The medium the eye is in, where the scene names it; else found from the shapes around the eye.
+    /// Index of the medium around the eye, if the scene names it; else it is found from the shapes.
     pub medium: Option<u32>,
 }
 
-/// How directions map to the picture.
+/// Mapping from directions to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Rays leave one point.

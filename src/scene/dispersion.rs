@@ -1,12 +1,12 @@
-//! How the index of a medium depends on the wavelength.
+//! Dispersion: the refractive index of a medium as a function of wavelength.
 
 use super::Medium;
 
-/// A curve of index over wavelength. Wavelengths are those in air, in nanometres; the coefficients are for micrometres,
-/// as the literature has them.
+/// Curve of the index over the wavelength. Wavelengths are in air and in nanometres; the coefficients are for
+/// micrometres, as in the literature.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Dispersion {
-    /// One index for all light.
+    /// One index for all wavelengths.
     #[default]
     None,
     /// `n = A + B / λ² + C / λ⁴` (Cauchy 1836), `A` without unit, `B` in µm², `C` in µm⁴.
@@ -17,7 +17,8 @@ pub enum Dispersion {
 }
 
 impl Dispersion {
-    /// The index at a wavelength in nanometres; `None` without a curve. Not a number where Sellmeier's sum is below -1.
+    /// Returns the index at a wavelength in nanometres, or `None` without a curve. NaN where Sellmeier's sum is below
+    /// -1.
     #[must_use]
     pub fn index_at(&self, nm: f64) -> Option<f64> {
         let squared = (nm * 1e-3) * (nm * 1e-3);
@@ -33,13 +34,13 @@ impl Dispersion {
 }
 
 impl Medium {
-    /// The index at a wavelength in nanometres: [`Medium::ior`] where the medium has no curve.
+    /// Returns the index at a wavelength in nanometres; [`Medium::ior`] if the medium has no curve.
     #[must_use]
     pub fn index_at(&self, nm: f64) -> f64 {
         self.dispersion.index_at(nm).unwrap_or(self.ior)
     }
 
-    /// Whether light of different wavelengths is bent differently.
+    /// Returns true if the medium has a dispersion curve.
     #[must_use]
     pub fn disperses(&self) -> bool {
         self.dispersion != Dispersion::None

@@ -1,31 +1,31 @@
-//! What surrounds the scene.
+//! Environment around the scene.
 
 use super::{MapKind, Rgb};
 
-/// Radiance by direction, for rays that meet nothing. Seen directly and in reflection and refraction; it lights no
-/// diffuse surface (use ambient for that).
+/// Radiance by direction for rays that hit nothing. It is visible directly, in reflections and by refraction. It lights
+/// no diffuse surface; use ambient light for that.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Environment {
-    /// The same from everywhere.
+    /// Constant radiance.
     Constant(Rgb),
-    /// Blended by height: with `s = (dir.y + 1) / 2`, linear from `nadir` (s = 0) over `horizon` (s = 1/2) to
+    /// Gradient by height. With `s = (dir.y + 1) / 2` it is linear from `nadir` (s = 0) over `horizon` (s = 1/2) to
     /// `zenith` (s = 1).
     Gradient {
-        /// Straight down.
+        /// Radiance from straight down.
         nadir: Rgb,
-        /// Level.
+        /// Radiance from the horizon.
         horizon: Rgb,
-        /// Straight up.
+        /// Radiance from straight up.
         zenith: Rgb,
     },
-    /// An equirectangular picture: its top row is straight up (+y); its middle column is towards -z, and columns
-    /// advance towards +x.
+    /// Equirectangular picture. Its top row is straight up (+y), its middle column is towards -z, and columns advance
+    /// towards +x.
     LatLong {
-        /// Place in `Scene::textures`.
+        /// Index into `Scene::textures`.
         texture: u32,
-        /// Factor on the picture.
+        /// Factor on the picture's colours.
         scale: Rgb,
-        /// Turn about +y, in radians, from -z towards +x.
+        /// Rotation about +y in radians, from -z towards +x.
         rotation: f32,
     },
     /// An environment map.

@@ -1,78 +1,79 @@
-//! Lights that shine on surfaces.
+//! Lights that illuminate surfaces.
 
 use glam::Vec3;
 
 use super::Rgb;
 
-/// A light. It is not seen itself; emissive surfaces are seen and light nothing.
+/// Light. It is not visible itself; emissive surfaces are visible but illuminate nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// The name messages use.
+    /// Name used in messages.
     pub name: String,
-    /// Where it shines from.
+    /// Position and shape.
     pub kind: LightKind,
-    /// Intensity `I` per channel: radiant intensity of a point or spot light (power per steradian), irradiance on a
-    /// facing surface for a directional one. A lamp with an extent shares it out evenly over its surface: `I` is what it
-    /// sends into every direction as a whole, or, of a rectangle that shines by the cosine, along its normal. Its
-    /// radiance is `I / (pi radius^2)`, or `I / area`.
+    /// Intensity `I` per channel. For a point or spot light it is the radiant intensity (power per steradian), for a
+    /// directional light the irradiance on a facing surface. An area lamp spreads it evenly over its surface: `I` is
+    /// the intensity of the whole lamp in every direction or, for a rectangle with cosine emission, along its normal.
+    /// Its radiance is `I / (pi radius^2)` or `I / area`.
     pub intensity: Rgb,
-    /// How it weakens, and in which convention surfaces answer.
+    /// Attenuation with distance, and the convention for reflection.
     pub falloff: Falloff,
-    /// Whether surfaces between cast shadows.
+    /// True if surfaces cast shadows in this light.
     pub shadows: bool,
 }
 
-/// Where a light shines from.
+/// Position and shape of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// From a point, equally in all directions.
+    /// Point light, equal in all directions.
     Point {
-        /// Place, in scene units.
+        /// Position in scene units.
         position: Vec3,
     },
-    /// From a point, within a cone.
+    /// Point light within a cone.
     Spot {
-        /// Place, in scene units.
+        /// Position in scene units.
         position: Vec3,
         /// Unit axis of the cone, along the light.
         direction: Vec3,
-        /// Cosine of the half angle up to which it is at full strength.
+        /// Cosine of the half angle up to which the light has full strength.
         cos_inner: f32,
-        /// Cosine of the half angle from which it is dark; at most `cos_inner`. Between them the factor is
-        /// `s * s * (3 - 2 s)`, `s = (cos - cos_outer) / (cos_inner - cos_outer)`.
+        /// Cosine of the half angle from which it is dark; at most `cos_inner`. Between them the factor is `s * s * (3
+        /// - 2 s)`, `s = (cos - cos_outer) / (cos_inner - cos_outer)`.
         cos_outer: f32,
     },
-    /// From infinitely far.
+    /// Light from infinitely far away.
     Directional {
-        /// Unit direction the light travels in.
+        /// Unit direction of travel.
         direction: Vec3,
     },
-    /// From a ball of even radiance, equally in all directions. A point inside it gets none of its light.
+    /// Ball of even radiance, equal in all directions. Points inside it receive none of its light.
     Sphere {
         /// Centre, in scene units.
         position: Vec3,
         /// Radius, in scene units, above zero.
         radius: f32,
     },
-    /// From a rectangle, or any other parallelogram.
+    /// Rectangle, or any other parallelogram.
     Rectangle {
         /// One corner, in scene units.
         corner: Vec3,
-        /// The edges from there, in scene units, not parallel. Their vector product points to the side that shines.
+        /// Edge vectors from that corner, in scene units, not parallel. Their cross product points to the emitting
+        /// side.
         edges: [Vec3; 2],
-        /// How it shines into different directions.
+        /// Emission by direction.
         spread: Spread,
     },
 }
 
 impl LightKind {
-    /// Whether it has an extent, and its shadows soft edges.
+    /// Returns true if the light has an extent, and thus soft shadows.
     #[must_use]
     pub fn is_extended(&self) -> bool {
         matches!(self, Self::Sphere { .. } | Self::Rectangle { .. })
     }
 
-    /// Where it stands, its middle where it has an extent; none where it shines from infinitely far.
+    /// Returns the position, or the middle of an area lamp; `None` for a directional light.
     #[must_use]
     pub fn position(&self) -> Option<Vec3> {
         match *self {
@@ -83,22 +84,22 @@ impl LightKind {
     }
 }
 
-/// How a rectangle shines into different directions.
+/// Emission of a rectangle by direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
-    /// As a matt surface does: by the cosine to its normal, on one side only.
+    /// By the cosine to the normal, on one side only, as a matt surface emits.
     Cosine,
-    /// Equally in all directions and on both sides, as a sheet of point lights would (and POV-Ray's area lights do).
+    /// Equal in all directions and on both sides, like a sheet of point lights (and POV-Ray's area lights).
     Even,
 }
 
-/// How a light weakens with distance, and which convention a Lambert surface of albedo `a` answers it in.
+/// Attenuation with distance, and the convention for a Lambertian surface of albedo `a`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falloff {
-    /// Physical: a point or spot light at distance `d` gives `a / pi * I * cos_theta / d^2`; a directional one
-    /// `a / pi * I * cos_theta`. A highlight gets `ks * I / d^2 * lobe` (no `pi`: its lobe is not normalised).
+    /// Physical. A point or spot light at distance `d` gives `a / pi * I * cos_theta / d^2`, a directional one `a / pi
+    /// * I * cos_theta`. A highlight gets `ks * I / d^2 * lobe` (no `pi`, because the lobe is not normalised).
     InverseSquare,
-    /// The lecture notes' (and POV-Ray's) classic model: `a * I * cos_theta` at any distance, without `pi`;
-    /// a highlight gets `ks * I * lobe`.
+    /// Classic model of the lecture notes (and POV-Ray): `a * I * cos_theta` at any distance, without `pi`; a highlight
+    /// gets `ks * I * lobe`.
     None,
 }

@@ -7,22 +7,19 @@ use glam::{DVec3, Vec3};
 use super::{Rgb, Texture};
 use crate::math::Real;
 
-/// Shape of an environment map.
-///
-/// Directions are in the frame of the map: x to the right, y up, z towards the viewer. The frame of a map in a file is that
-/// of the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MapKind {
-    /// Six square faces side by side, in the order and orientation of OpenGL: +x, -x, +y, -y, +z, -z. Each spans 90 degrees
-    /// both ways.
-    Cube,
-    /// A mirrored ball seen from far off along -z, as in OpenGL's sphere mapping: the reflected direction `r` lies at
-    /// `s = r.x / m + 1/2`, `t = r.y / m + 1/2` with `m = 2 sqrt(r.x^2 + r.y^2 + (r.z + 1)^2)`. The direction -z, where `m` is 0,
-    /// is the whole rim of the disc.
-    Sphere,
-    /// By longitude and latitude: the top row is straight up (+y), the middle column is towards -z, columns advance towards
-    /// +x (`u` = 0.75).
-    LatLong,
+crate::choice! {
+    /// Shape of an environment map.
+    ///
+    /// Directions are in the frame of the map: x to the right, y up, z towards the viewer. The frame of a map in a file is
+    /// that of the world.
+    pub enum MapKind("kind", derive(Eq, Hash)) {
+        /// Six square faces side by side, in the order and orientation of OpenGL: +x, -x, +y, -y, +z, -z.
+        "cube" => Cube,
+        /// Mirrored ball seen from far off along -z, as in OpenGL's sphere mapping; its rim is the direction -z.
+        "sphere" => Sphere,
+        /// Longitude and latitude: the top row is +y, the middle column -z, and u = 0.75 is +x.
+        "latlong" => LatLong,
+    }
 }
 
 /// Face, column and row of a cube map, in texels; a texel's centre lies at a half.
@@ -34,19 +31,6 @@ struct OnFace<R> {
 }
 
 impl MapKind {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Cube, Self::Sphere, Self::LatLong];
-
-    /// The name on the command line, in scene files and in messages.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cube => "cube",
-            Self::Sphere => "sphere",
-            Self::LatLong => "latlong",
-        }
-    }
-
     /// Columns and rows of a map whose faces, disc or half a turn are `size` texels wide.
     #[must_use]
     pub fn shape(self, size: u32) -> [u32; 2] {
@@ -73,6 +57,8 @@ impl MapKind {
                 let face = (x / size).floor().clamp(0.0, 5.0);
                 face_direction(face as usize, 2.0 * (x / size - face) - 1.0, 2.0 * y / size - 1.0).normalize()
             }
+            // The reflected direction r lies at s = r.x / m + 1/2, t = r.y / m + 1/2 with m = 2 sqrt(r.x^2 + r.y^2 + (r.z + 1)^2). The
+            // direction -z, where m is 0, is the whole rim of the disc.
             Self::Sphere => {
                 let (x, y) = (2.0 * x / size - 1.0, 1.0 - 2.0 * y / size);
                 let beyond = 1.0 - x * x - y * y;

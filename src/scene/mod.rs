@@ -1,14 +1,17 @@
-//! What is to be pictured: plain data, joined by indices.
+//! Scene description: plain data joined by indices.
 
 mod body;
+mod build;
 mod camera;
 mod dispersion;
 mod environment;
 mod light;
 pub mod map;
 mod material;
+pub mod ranges;
 mod settings;
 mod texture;
+mod validate;
 
 pub use body::Bodies;
 pub use camera::{Camera, Projection};
@@ -19,46 +22,71 @@ pub use map::MapKind;
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
 pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
+pub use validate::{Part, Place, SceneError};
 
 use glam::DVec3;
 
-use crate::geometry::{Geometry, Shape};
+use crate::Result;
+use crate::geometry::{Geometry, Shape, TriMesh};
+use crate::system::memory;
 
-/// Linear red, green and blue; radiance or a factor as its place says.
+/// Linear red, green and blue, as a radiance or a factor.
 pub type Rgb = glam::Vec3;
 
-/// A whole scene. Indices between its lists are in range by construction (`load` sees to it).
-#[derive(Clone, Debug, Default)]
+/// A whole scene: lists of plain data that refer to each other by index.
+///
+/// The `add_` methods return indices; `load` reads a whole scene. [`Scene::validate`] checks a scene that was put together by
+/// hand, for the renderers take valid ones only and may panic on others. A default scene holds air and nothing else.
+#[derive(Clone, Debug)]
 pub struct Scene {
-    /// Shapes; a hit's `geometry` is a place in this list.
+    /// Shapes; a hit's `geometry` is an index into this list.
     pub geometry: Vec<Geometry>,
-    /// What each shape is, one for one with `geometry`.
+    /// Names and materials, one for each shape in `geometry`.
     pub objects: Vec<Object>,
-    /// Surfaces.
+    /// Materials.
     pub materials: Vec<Material>,
-    /// What fills space. Medium 0 is what surrounds everything (air, index 1, unless the scene says otherwise).
+    /// Media. Medium 0 surrounds everything (air, index 1, unless the scene says otherwise).
     pub media: Vec<Medium>,
-    /// Lights that cast light on surfaces.
+    /// Lights.
     pub lights: Vec<Light>,
-    /// What rays that meet nothing see.
+    /// Radiance for rays that hit nothing.
     pub environment: Environment,
-    /// Colour that every surface's ambient factor is multiplied with; zero by default.
+    /// Ambient colour, multiplied by each surface's ambient factor; zero by default.
     pub ambient: Rgb,
-    /// Pictures to look colours up in.
+    /// Pictures for colour lookups.
     pub textures: Vec<Texture>,
-    /// Where the picture is taken from.
+    /// Camera.
     pub camera: Camera,
-    /// How the picture is taken.
+    /// Settings of the picture.
     pub settings: Settings,
-    /// World coordinates of the place that counts as (0, 0, 0) in all of the above, in scene units: 0 unless the scene
-    /// lies far from the world's own.
+    /// World coordinates of the scene's origin, in scene units. It is 0 unless the scene lies far from the world's
+    /// origin.
     pub origin: DVec3,
-    /// A length of 1 in all of the above is 2 to this power in the world: 0 unless a model by itself is too small or too large
-    /// for `f32` to reckon with.
+    /// Exponent of the scene unit: a length of 1 in the scene is 2 to this power in the world. It is 0 unless a model
+    /// is too small or too large for `f32`.
     pub unit_exponent: i32,
 }
 
-/// How many primitives of each kind a scene holds.
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            geometry: Vec::new(),
+            objects: Vec::new(),
+            materials: Vec::new(),
+            media: vec![Medium::air()],
+            lights: Vec::new(),
+            environment: Environment::default(),
+            ambient: Rgb::ZERO,
+            textures: Vec::new(),
+            camera: Camera::default(),
+            settings: Settings::default(),
+            origin: DVec3::ZERO,
+            unit_exponent: 0,
+        }
+    }
+}
+
+/// Numbers of primitives by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShapeCounts {
     /// Triangles of all meshes.
@@ -70,25 +98,43 @@ pub struct ShapeCounts {
 }
 
 impl Scene {
-    /// World coordinates of a place in the scene: what reports tell.
+    /// Returns a copy, where there is memory for one.
+    ///
+    /// # Errors
+    /// Fails with [`Error::Limit`](crate::Error::Limit) where there is not.
+    pub fn try_clone(&self) -> Result<Self> {
+        memory::need("a copy of the scene", self.bytes(), "take a smaller model or smaller pictures")?;
+        Ok(self.clone())
+    }
+
+    /// Returns the bytes of the lists that grow with models and pictures.
+    fn bytes(&self) -> u64 {
+        let pictures: usize = self.textures.iter().map(|t| size_of_val(t.pixels.as_slice())).sum();
+        let lines: usize = self.objects.iter().map(|o| size_of_val(o.origin.triangle_lines.as_slice())).sum();
+        let meshes =
+            self.geometry.iter().filter_map(|g| if let Shape::Mesh(mesh) = &g.shape { Some(mesh) } else { None });
+        (pictures + lines + meshes.map(TriMesh::bytes).sum::<usize>()) as u64
+    }
+
+    /// Returns the world coordinates of a point of the scene, as used in reports.
     #[must_use]
     pub fn world(&self, place: DVec3) -> DVec3 {
         self.origin + place * self.unit()
     }
 
-    /// Length in the world of 1 in the scene.
+    /// Returns the length in the world of 1 in the scene.
     #[must_use]
     pub fn unit(&self) -> f64 {
         f64::from(self.unit_exponent).exp2()
     }
 
-    /// Returns true if its coordinates are those of the world.
+    /// Returns true if scene coordinates are world coordinates.
     #[must_use]
     pub fn is_in_world_coordinates(&self) -> bool {
         self.origin == DVec3::ZERO && self.unit_exponent == 0
     }
 
-    /// How many primitives of each kind there are, hittable or not.
+    /// Returns the numbers of primitives by kind, including those that no ray can hit.
     #[must_use]
     pub fn shape_counts(&self) -> ShapeCounts {
         let mut counts = ShapeCounts::default();
@@ -103,24 +149,24 @@ impl Scene {
     }
 }
 
-/// One shape's place in the scene.
+/// Name and material of one shape.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// The name messages use.
+    /// Name used in messages.
     pub name: String,
-    /// Its surface, a place in [`Scene::materials`].
+    /// Index of the material in [`Scene::materials`].
     pub material: u32,
-    /// Where it comes from, for messages.
+    /// File and line it was read from, for messages.
     pub origin: Origin,
 }
 
-/// Where a shape was read.
+/// File and lines from which a shape was read.
 #[derive(Clone, Debug, Default)]
 pub struct Origin {
-    /// The file as messages name it; empty for shapes made in memory.
+    /// File as named in messages; empty for shapes made in memory.
     pub file: String,
-    /// Line of the whole shape (in a scene file), from 1; 0 where unknown.
+    /// Line of the whole shape in a scene file, from 1; 0 if unknown.
     pub line: u32,
-    /// Line of each triangle (in a model file), from 1; empty for built-in shapes.
+    /// Line of each triangle in a model file, from 1; empty for built-in shapes.
     pub triangle_lines: Vec<u32>,
 }

@@ -1,23 +1,23 @@
-//! How a picture is taken.
+//! Settings of the picture.
 
-/// The part of a scene that the command line may override.
+/// Settings of a scene that the command line may override.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Columns, at least 1.
     pub width: u32,
     /// Rows, at least 1.
     pub height: u32,
-    /// A regular grid of `samples` by `samples` rays a pixel; 1 is the pixel's centre.
+    /// Edge of the regular grid of rays per pixel: `samples` by `samples`. 1 is the pixel's centre.
     pub samples: u32,
-    /// How many times a ray may reflect or refract. Deeper rays end as truncated weight.
+    /// Largest number of reflections and refractions along a path. Deeper rays end as truncated weight.
     pub max_depth: u32,
-    /// Rays whose largest channel weight is below this end as truncated weight.
+    /// Cut-off: rays whose largest channel weight is below this end as truncated weight.
     pub cutoff: f32,
-    /// What transparent surfaces do to shadows.
+    /// Treatment of shadow rays at transparent surfaces.
     pub shadows: ShadowRule,
-    /// How lamps with an extent are sampled.
+    /// Sampling of area lamps.
     pub lamps: LampSampling,
-    /// Wavelengths that a white ray divides into where a medium disperses it, at least 7; fewer count as 7.
+    /// Number of wavelengths that a white ray divides into at dispersive media, at least 7; fewer count as 7.
     pub wavelengths: u32,
 }
 
@@ -36,27 +36,29 @@ impl Default for Settings {
     }
 }
 
-/// What transparent surfaces do to shadows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShadowRule {
-    /// They block light as opaque ones do.
-    Opaque,
-    /// Light passes straight on, unbent, weakened at each surface by what that surface lets through (Fresnel seen
-    /// from its thinner side, so that the way back is the same, and tint) and inside by absorption. No caustics.
-    Straight,
+crate::choice! {
+    /// Effect of transparent surfaces on shadows.
+    pub enum ShadowRule("shadows", derive(Eq)) {
+        /// Transparent surfaces block light, as opaque ones do.
+        "opaque" => Opaque,
+        /// Light goes straight through transparent surfaces, weakened by reflection, tint and absorption.
+        ///
+        /// The reflectance at a surface is that seen from its thinner side, so that it is the same both ways. There are no caustics.
+        "straight" => Straight,
+    }
 }
 
-/// How lamps with an extent are sampled: by points on them, each of which shines as a lamp of its own.
+/// Sampling of area lamps by points, each of which shines like a lamp of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LampSampling {
-    /// Points on each lamp for each place that it shines on, at least 1; a square number where they form a grid.
+    /// Number of sample points per lamp and shaded point, at least 1; a square number for a grid.
     pub count: u32,
-    /// How they lie.
+    /// Arrangement of the points.
     pub pattern: Pattern,
-    /// Another seed is another scrambling of the points; no grid depends on it.
+    /// Seed of the scrambling; without effect on a grid.
     pub seed: u32,
-    /// Skip shadow rays where nothing is between a place and a lamp, or one surface covers all of the lamp. The picture
-    /// is the same.
+    /// Skips shadow rays where nothing lies between a shaded point and a lamp, or where one surface covers all of the
+    /// lamp. The picture is the same.
     pub probe: bool,
 }
 
@@ -66,12 +68,12 @@ impl Default for LampSampling {
     }
 }
 
-/// How the points on a lamp lie.
+/// Arrangement of the sample points on a lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
-    /// As Sobol's sequence, scrambled after Owen for each pixel and depth anew; the rays of a pixel continue each
-    /// other's. What is left of error is fine noise.
+    /// Sobol's sequence with Owen scrambling, anew for each pixel and depth; the rays of a pixel continue each other's
+    /// points. The remaining error is fine noise.
     Sobol,
-    /// As a square grid, the same everywhere. What is left of error is steps.
+    /// Square grid, the same everywhere. The remaining error appears as steps.
     Grid,
 }

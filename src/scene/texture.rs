@@ -1,18 +1,18 @@
-//! Pictures to look colours up in.
+//! Pictures for colour lookups.
 
 use glam::DVec3;
 
 use super::Rgb;
 
-/// A picture in linear colour; its first row is at the top (texture coordinate v = 1).
+/// Picture in linear colour; its first row is at the top (texture coordinate v = 1).
 ///
-/// How it is looked up, by every renderer: the texel in column `i` and row `j` is centred at
-/// `u = (i + 0.5) / width`, `v = 1 - (j + 0.5) / height`; between centres colours are blended bilinearly, rows last.
-/// Surfaces repeat it in both directions; an equirectangular environment repeats it sideways and holds its first and
-/// last row ([`Beyond`]).
+/// All renderers look it up in the same way. The texel in column `i` and row `j` is centred at `u = (i + 0.5) / width`,
+/// `v = 1 - (j + 0.5) / height`. Between centres colours are interpolated bilinearly, along rows first. Surfaces repeat
+/// the picture in both directions. An equirectangular environment repeats it in u and extends its first and last row
+/// ([`Beyond`]).
 #[derive(Clone, Debug, Default)]
 pub struct Texture {
-    /// The file as messages name it.
+    /// File as named in messages.
     pub name: String,
     /// Columns, at least 1.
     pub width: u32,
@@ -22,21 +22,22 @@ pub struct Texture {
     pub pixels: Vec<Rgb>,
 }
 
-/// What lies above the top row and below the bottom one.
+/// Continuation of a picture above its top row and below its bottom row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beyond {
-    /// The picture again.
+    /// Repeats the picture.
     Repeat,
-    /// The outermost row.
+    /// Extends the outermost row.
     Hold,
 }
 
 impl Texture {
-    /// The colour at texture coordinates (`u`, `v`), of any size, in `f64`. One that is not finite counts as 0.
+    /// Returns the colour at texture coordinates (`u`, `v`), of any size, in `f64`. A coordinate that is not finite
+    /// counts as 0.
     #[must_use]
     pub fn lookup(&self, u: f64, v: f64, beyond: Beyond) -> DVec3 {
         let [u, v] = [u, v].map(|t| if t.is_finite() { t } else { 0.0 });
-        // Whole turns go first, so that large coordinates keep what digits they have.
+        // The integer part is removed first, so that large coordinates keep their digits.
         let x = (u - u.floor()) * f64::from(self.width) - 0.5;
         let v = if beyond == Beyond::Repeat { v - v.floor() } else { v.clamp(0.0, 1.0) };
         let y = (1.0 - v) * f64::from(self.height) - 0.5;

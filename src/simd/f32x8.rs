@@ -1,6 +1,8 @@
 //! Eight `f32` lanes. A newtype over `wide::f32x8` that leaves out its traps: the 12-bit `recip` and `recip_sqrt`,
 //! and the NaN-unsafe `fast_min` and `fast_max`.
 
+#![allow(unsafe_code, reason = "intrinsics of the CPU")]
+
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::{Mask8, magnitude};
@@ -93,11 +95,13 @@ impl F32x8 {
         self.0.fast_trunc_int().to_array()
     }
 
-    /// The smallest lane; lanes that are NaN are passed over.
+    /// The largest of eight numbers, none of which is NaN.
     #[inline(always)]
     #[must_use]
-    pub fn reduce_min(self) -> f32 {
-        self.to_array().into_iter().fold(f32::INFINITY, f32::min)
+    pub fn reduce_max(self) -> f32 {
+        let [a, b, c, d, e, f, g, h] = self.to_array();
+        let (a, b, c, d) = (a.max_or(e), b.max_or(f), c.max_or(g), d.max_or(h));
+        a.max_or(c).max_or(b.max_or(d))
     }
 }
 

@@ -6,6 +6,8 @@
 //! the machine that lacks everything: it takes one 32-bit word at a time through functions that are not inlined, with
 //! masks made at compile time, so that the compiler finds no use for anything beyond the first x86-64.
 
+#![allow(unsafe_code, reason = "CPUID and XGETBV")]
+
 /// The instruction set this binary was built for, as reports name it.
 pub const BUILT: &str = match (
     cfg!(target_arch = "x86_64"),
@@ -25,7 +27,7 @@ pub const BUILT: &str = match (
 };
 
 /// The cure, where the build is for less than the machine can do.
-pub const CURE: &str = "build with RUSTFLAGS unset, or with `-C target-cpu=native` in it";
+pub const CURE: &str = "build with RUSTFLAGS=\"-C target-cpu=native\"";
 
 /// Bits of `build` that `cpu` lacks; both in the layout of one CPUID register.
 #[must_use]
@@ -189,9 +191,9 @@ mod x86 {
     /// For each register, the bits of the features that this build needs.
     static BUILD: [u32; 7] = needed_bits();
     /// All bits but those of features that need YMM to be saved.
-    static WITHOUT_YMM: [u32; 7] = all_but(State::Ymm);
+    static WITHOUT_YMM: [u32; 7] = all_but(Ymm);
     /// All bits but those of features that need ZMM to be saved.
-    static WITHOUT_ZMM: [u32; 7] = all_but(State::Zmm);
+    static WITHOUT_ZMM: [u32; 7] = all_but(Zmm);
 
     /// Feature bits of the CPU, without those whose registers the operating system does not save.
     #[inline(never)]
@@ -278,7 +280,7 @@ mod x86 {
                 say(f.name);
             }
         }
-        say(", which this program was built for; build it here, with `cargo build --release`\n");
+        say(", which this program was built for; build it on this machine with RUSTFLAGS=\"-C target-cpu=native\"\n");
         Unfit
     }
 

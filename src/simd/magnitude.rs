@@ -1,5 +1,7 @@
 //! The smaller and the larger of two magnitudes: one instruction where the CPU has `vrangeps`, three elsewhere.
 
+#![allow(unsafe_code, reason = "intrinsics of the CPU")]
+
 use super::F32x8;
 
 /// What every CPU can do.

@@ -1,5 +1,7 @@
 //! What is asked of memory beforehand: to be near, and to lie in large pages.
 
+#![allow(unsafe_code, reason = "hints to the operating system about memory")]
+
 /// Asks the caches for a value that will soon be read. Says nothing else: nothing is read, and where a CPU knows no
 /// such wish, nothing is done.
 #[inline(always)]

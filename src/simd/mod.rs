@@ -1,6 +1,7 @@
 //! Eight lanes: numbers, masks and three-vectors over `wide`, and the few operations `wide` lacks, each with a
 //! portable twin. This room knows nothing of rays.
 
+mod bits;
 mod f32x8;
 pub mod level;
 mod magnitude;
@@ -8,10 +9,11 @@ mod mask8;
 mod memory;
 mod reciprocal;
 
+pub use bits::{compress, set_lanes, transpose_bits};
 pub use f32x8::F32x8;
 pub use mask8::Mask8;
 pub use memory::{prefetch, room_for};
-pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal, ReciprocalModel};
+pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal, ReciprocalModel, ReciprocalVisitor};
 
 /// Eight three-vectors in structure-of-arrays.
 pub type Vec3x8 = crate::math::Vector3<F32x8>;

@@ -1,4 +1,4 @@
-//! The condition of a pixel: ill where its `f64` value moves with the last digits of its rays.
+//! Condition of pixels: a pixel is ill-conditioned if its `f64` value changes with the last digits of its rays.
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
@@ -13,10 +13,10 @@ use crate::render::{FilmRay, Observer};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
-/// The few ulps of `f32` that a renderer in it may be off by at each surface.
+/// Error of an `f32` renderer at each surface, in ulps.
 pub const ULPS: f64 = 8.0;
 
-/// The exact picture in `f64`, asked about single pixels; answers are kept.
+/// Condition tests of single pixels in the exact `f64` picture; results are cached.
 #[derive(Debug)]
 pub struct Condition<'a> {
     prepared: Prepared<'a>,
@@ -27,21 +27,21 @@ pub struct Condition<'a> {
 }
 
 impl<'a> Condition<'a> {
-    /// Of a scene whose settings are the reference's; a pixel moves when a channel does by more than `tolerance`, in
-    /// units of radiance.
+    /// Creates the tests for a scene with the reference's settings. A pixel counts as moved if a channel changes by
+    /// more than `tolerance`, in units of radiance.
     #[must_use]
     pub fn new(scene: &'a Scene, prepared: Prepared<'a>, tolerance: f64, observer: &'a Observer) -> Self {
         Self { prepared, scene, tolerance, observer, known: HashMap::new() }
     }
 
-    /// Tells for each pixel if its `f64` value moves by more than the tolerance when its rays move together by [`ULPS`]
-    /// ulps of `f32`, or by as many for each level of their paths: directions of camera rays by ulps of 1, their origins
-    /// by ulps of the eye's largest coordinate, directions of shadow rays by ulps of 1,
-    /// each to eight sides. Lamps with an
-    /// extent and wavelengths are sampled as in the picture. None where `until` came before the answer.
+    /// Returns for each pixel true if its `f64` value changes by more than the tolerance when its rays move by [`ULPS`]
+    /// ulps of `f32`, or by as many for each level of their paths. The rays of a pixel move together, each to eight
+    /// sides. Directions of camera rays and of shadow rays move by ulps of 1, and origins by ulps of the eye's largest
+    /// coordinate. Area lamps and wavelengths are sampled as in the picture. The result is `None` if `until` passes
+    /// first.
     ///
     /// # Errors
-    /// `Interrupted`.
+    /// Returns `Error::Interrupted` if the observer requests a stop.
     pub fn moves(&mut self, pixels: &[(u32, u32)], until: Option<Instant>) -> Result<Vec<Option<bool>>> {
         let fresh: Vec<(u32, u32)> = pixels.iter().copied().filter(|p| !self.known.contains_key(p)).collect();
         let this = &*self;
@@ -51,8 +51,8 @@ impl<'a> Condition<'a> {
         Ok(pixels.iter().map(|p| self.known.get(p).copied()).collect())
     }
 
-    /// By how few ulps its rays have to move for a pixel to move: the first of 1, 2, 4, ... up to [`ULPS`] for
-    /// each level of their paths; none where it does not.
+    /// Returns the smallest movement of its rays, in ulps, at which a pixel changes: the first of 1, 2, 4, ... up to
+    /// [`ULPS`] per level of their paths. Returns `None` if none does.
     #[must_use]
     pub fn moves_at(&self, x: u32, y: u32) -> Option<f64> {
         let pixel = Pixel::of(self, x, y);
@@ -61,7 +61,7 @@ impl<'a> Condition<'a> {
         steps.chain([most]).find(|&ulps| pixel.moves(ulps, &|| true) == Some(true))
     }
 
-    /// A pixel in `f64`, from the same light samples and wavelengths as the picture's.
+    /// Returns a pixel in `f64`, from the light samples and wavelengths of the picture.
     #[must_use]
     pub fn exact(&self, x: u32, y: u32) -> Tally {
         self.prepared.tally_of(x, y)
@@ -78,24 +78,24 @@ impl<'a> Condition<'a> {
     }
 }
 
-/// One pixel's camera rays.
+/// Camera rays of one pixel.
 struct Pixel<'a> {
     condition: &'a Condition<'a>,
     /// Column and row.
     place: [u32; 2],
-    /// Start and unit direction of each, in the order of their sample indices.
+    /// Origin and unit direction of each ray, in the order of their sample indices.
     rays: Vec<(DVec3, DVec3)>,
     here: [f64; 3],
 }
 
-/// By how much rays are moved.
+/// Movement of the rays.
 #[derive(Clone, Copy, Default)]
 struct Step {
-    /// Added to the origin of a camera ray.
+    /// Vector added to the origin of a camera ray.
     aside: DVec3,
-    /// Added to the unit direction of a camera ray.
+    /// Vector added to the unit direction of a camera ray.
     turned: DVec3,
-    /// Added to the unit direction of every shadow ray.
+    /// Vector added to the unit direction of every shadow ray.
     shadows_turned: DVec3,
 }
 
@@ -109,12 +109,12 @@ impl<'a> Pixel<'a> {
         pixel
     }
 
-    /// The ray of the film that a camera ray is.
+    /// Returns the film ray of a sample.
     fn film(&self, sample: usize) -> FilmRay {
         FilmRay { pixel: self.place, sample: sample as u32 }
     }
 
-    /// Its value with each ray moved by the step for its direction.
+    /// Returns the pixel's value with each ray moved by the step for its direction.
     fn mean(&self, step: impl Fn(DVec3) -> Step) -> [f64; 3] {
         let mut sum = DVec3::ZERO;
         for (sample, &(origin, dir)) in self.rays.iter().enumerate() {
@@ -126,7 +126,7 @@ impl<'a> Pixel<'a> {
         sum.to_array()
     }
 
-    /// None where it was told not to go on.
+    /// Returns true if the pixel changes at `ulps`, or `None` if `goes_on` returned false first.
     fn moves(&self, ulps: f64, goes_on: &dyn Fn() -> bool) -> Option<bool> {
         let reach = self.condition.scene.camera.eye.as_dvec3().abs().max_element();
         let lit = self.condition.scene.lights.iter().any(|light| light.shadows);
@@ -139,7 +139,7 @@ impl<'a> Pixel<'a> {
                 match k / 8 {
                     0 => Step { turned: step, ..Step::default() },
                     1 => Step { aside: step * reach, ..Step::default() },
-                    // The corners of a cube: a shadow ray may go any way.
+                    // Corners of a cube, because a shadow ray may go in any direction.
                     _ => Step { shadows_turned: corner * (ulps * f64::from(f32::EPSILON)), ..Step::default() },
                 }
             });
@@ -156,7 +156,7 @@ impl<'a> Pixel<'a> {
         Some(false)
     }
 
-    /// Levels of the longest path.
+    /// Returns the number of levels of the longest path.
     fn levels(&self) -> f64 {
         let prepared = &self.condition.prepared;
         let of = |(sample, &(origin, dir))| prepared.trace_for(self.film(sample), origin, dir).rays.by_depth.len();

@@ -1,13 +1,15 @@
-//! What a journal has to agree in with a study that goes on from it.
+//! Digest of a study, which decides if a journal can be continued.
 
+use std::fs::File;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::io::Read as _;
 
 use super::run::Subject;
 use crate::geometry::{Shape, TriMesh};
 use crate::scene::Scene;
 
-/// Of the scene, the default choices, the size asked for, the threads, the program and the machine. Neither axes nor
-/// time limit are part of it: what was measured serves another choice of these, too.
+/// Computes the digest of the scene, the default choices, the requested size, the threads, the program and the machine.
+/// Axes and time limit are not part of it, since measurements also serve other values of these.
 #[must_use]
 pub fn of(subject: &Subject) -> String {
     let mut hasher = DefaultHasher::new();
@@ -20,11 +22,19 @@ pub fn of(subject: &Subject) -> String {
     format!("{:016x}", hasher.finish())
 }
 
-/// The program's own bytes: its version alone does not tell one build from the next.
+/// Hashes the program's own bytes, since its version does not identify a build.
 fn program() -> u64 {
-    let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
     let mut hasher = DefaultHasher::new();
-    bytes.hash(&mut hasher);
+    // In pieces, since a build with debug information has a hundred megabytes. One that cannot be read counts as empty.
+    let _ = std::env::current_exe().and_then(File::open).and_then(|mut file| {
+        let mut piece = [0; 16 << 10];
+        loop {
+            match file.read(&mut piece)? {
+                0 => return Ok(()),
+                n => hasher.write(&piece[..n]),
+            }
+        }
+    });
     hasher.finish()
 }
 

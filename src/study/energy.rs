@@ -1,34 +1,34 @@
-//! Where the light went: what a picture holds against what it should hold, and what was cut on the way.
+//! Energy balance of a picture against its reference.
 
 use serde::{Deserialize, Serialize};
 
 use crate::image::Film;
 use crate::render::Outcome;
 
-/// Light of a picture and of its reference, and what became of the rest. Means are over all pixels and channels, in
-/// units of radiance; pixels that are not finite in either picture are left out.
+/// Light of a picture and of its reference, and losses. Means are over all pixels and channels, in units of radiance;
+/// pixels that are not finite in either picture are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// Mean radiance.
     pub light: f64,
-    /// That of the reference.
+    /// Mean radiance of the reference.
     pub reference: f64,
-    /// Mean of what pixels are brighter by than the reference.
+    /// Mean excess of brighter pixels over the reference.
     pub gained: f64,
-    /// Mean of what pixels are darker by.
+    /// Mean deficit of darker pixels.
     pub lost: f64,
-    /// Mean weight of the rays that ended at the depth limit or the cut-off: what is lost at most, of radiance 1.
+    /// Mean weight of the rays ended by the depth limit or the cut-off: the largest loss at radiance 1.
     pub cut: f64,
-    /// Contributions that were not finite, and left out.
+    /// Number of contributions left out because they were not finite.
     pub non_finite: u64,
-    /// Contributions too large, and clamped.
+    /// Number of contributions clamped because they were too large.
     pub clamped: u64,
-    /// Rays that left a medium they had never entered.
+    /// Number of rays that left a medium they had never entered.
     pub unmatched_exits: u64,
 }
 
 impl Ledger {
-    /// Of a picture against its reference, of the same size.
+    /// Computes the balance of a picture against its reference, which must have the same size.
     #[must_use]
     pub fn of(outcome: &Outcome, reference: &Film) -> Self {
         let mut ledger = Self {
@@ -60,22 +60,22 @@ impl Ledger {
         ledger
     }
 
-    /// Light in excess of the reference's, as a share of it; below zero where light is missing.
+    /// Returns the excess light relative to the reference; below zero if light is missing.
     #[must_use]
     pub fn error(&self) -> f64 {
         if self.reference > 0.0 { (self.light - self.reference) / self.reference } else { self.light }
     }
 
-    /// Light in the wrong place, as a share of the reference's: gained and lost together. A picture may hold the right
-    /// sum and be wrong everywhere.
+    /// Returns the misplaced light relative to the reference: gained plus lost. A picture may have the right sum and
+    /// still be wrong everywhere.
     #[must_use]
     pub fn misplaced(&self) -> f64 {
         let wrong = self.gained + self.lost;
         if self.reference > 0.0 { wrong / self.reference } else { wrong }
     }
 
-    /// Whether light was gained beyond `tolerance`, a share of the reference's, or lost beyond it and beyond what was
-    /// cut (at a radiance of `brightest`, the largest that the scene has).
+    /// Returns true if the balance holds within `tolerance`, relative to the reference. Light may also be lost by the
+    /// cut weight at a radiance of `brightest`, the largest of the scene.
     #[must_use]
     pub fn balances(&self, tolerance: f64, brightest: f64) -> bool {
         let slack = tolerance * self.reference;

@@ -1,4 +1,4 @@
-//! How wrong a picture is.
+//! Errors of a picture against its reference.
 
 use std::time::Instant;
 
@@ -8,58 +8,58 @@ use super::condition::Condition;
 use crate::Result;
 use crate::image::{self, Film};
 
-/// A difference that a screen of 8 bits may show, in units of radiance: what pixels are counted by.
+/// Difference that an 8-bit display may show, in units of radiance; pixels beyond it are counted.
 pub const VISIBLE: f64 = 1.0 / 255.0;
 
-/// Pixels asked about their condition at once.
+/// Number of pixels tested for their condition at once.
 const BATCH: usize = 8;
 
-/// The most that are asked for the largest difference: the worst first, until one is not ill-conditioned.
+/// Largest number of pixels tested for the largest difference: the worst first, until one is well-conditioned.
 const WORST_ASKED: usize = 192;
 
-/// Others that are asked for their share, evenly from the rest.
+/// Number of other pixels tested, evenly chosen from the rest, to estimate their share.
 const OTHERS_ASKED: usize = 16;
 
-/// A picture against its reference; see [`image::Comparison`] for the units.
+/// Errors of a picture; see [`image::Comparison`] for the units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Root of the mean squared difference over all channels.
     pub rmse: f64,
     /// Largest difference of a channel.
     pub max: f64,
-    /// In dB; none where the pictures are equal as seen.
+    /// Peak signal-to-noise ratio in dB; `None` if the pictures are equal as displayed.
     pub psnr: Option<f64>,
     /// Structural similarity, at most 1.
     pub ssim: f64,
     /// Share of pixels off by more than 1/255.
     pub visible: f64,
-    /// Pixels off by more than 1/255.
+    /// Number of pixels off by more than 1/255.
     pub above: u64,
-    /// Pixels that are not finite.
+    /// Number of pixels that are not finite.
     pub non_finite: u64,
-    /// The worst pixel's column and row.
+    /// Column and row of the worst pixel.
     pub worst: Option<[u32; 2]>,
-    /// What of it ill-conditioned pixels are to blame for, where that was asked.
+    /// Effect of ill-conditioned pixels, if tested.
     pub apart: Option<Apart>,
 }
 
-/// Ill-conditioned pixels among those that are off by more than 1/255.
+/// Ill-conditioned pixels among those off by more than 1/255.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Apart {
-    /// Pixels asked: the worst, until one was found that is not ill-conditioned, and a regular choice of the rest.
+    /// Number of pixels tested: the worst, until one was well-conditioned, and an even choice of the rest.
     pub asked: u64,
-    /// Ill-conditioned ones among these.
+    /// Number of ill-conditioned pixels among these.
     pub ill: u64,
-    /// Largest difference of a pixel not known to be ill-conditioned.
+    /// Largest difference of a pixel that is not known to be ill-conditioned.
     pub max: f64,
-    /// Whether the pixel that it is of was asked, and every worse one with it. Else time ran out before, and `max` is
-    /// no less than the largest difference of a pixel that is not ill-conditioned.
+    /// True if that pixel and all worse ones were tested. Otherwise time ran out, and `max` is an upper bound on the
+    /// largest difference of a well-conditioned pixel.
     pub sure: bool,
-    /// Root of the mean squared difference over all pixels but those found ill-conditioned.
+    /// Root of the mean squared difference over all pixels except those found ill-conditioned.
     pub rmse: f64,
 }
 
-/// Largest difference of a channel; infinite where one is no number.
+/// Returns the largest difference of a channel; infinite if one is NaN.
 #[must_use]
 pub fn off(a: [f32; 3], b: [f32; 3]) -> f64 {
     let d = |i: usize| (f64::from(a[i]) - f64::from(b[i])).abs();
@@ -67,11 +67,12 @@ pub fn off(a: [f32; 3], b: [f32; 3]) -> f64 {
 }
 
 impl Errors {
-    /// Of a picture against its reference, of the same size; `condition`, where given, is asked about pixels that are
-    /// off, up to a point in time.
+    /// Computes the errors of a picture against its reference, which must have the same size. `condition`, if given,
+    /// tests pixels that are off, until a point in time.
     ///
     /// # Errors
-    /// Usage, where they differ in size; `Interrupted`.
+    /// - `Error::Usage` if the sizes differ.
+    /// - `Error::Interrupted` if the observer requests a stop.
     pub fn of(film: &Film, reference: &Film, condition: Option<(&mut Condition, Instant)>) -> Result<Self> {
         let c = image::compare(film, reference, VISIBLE)?;
         let apart = condition.map(|(condition, until)| apart(film, reference, condition, until)).transpose()?;
@@ -88,13 +89,13 @@ impl Errors {
         })
     }
 
-    /// Pixels off by more than 1/255 that are ill-conditioned, extrapolated from those asked.
+    /// Returns the number of ill-conditioned pixels off by more than 1/255, extrapolated from the tested ones.
     #[must_use]
     pub fn ill(&self) -> f64 {
         self.apart.map_or(0.0, |a| self.above as f64 * a.ill as f64 / a.asked.max(1) as f64)
     }
 
-    /// Root of the mean squared difference, known ill-conditioned pixels left out: what variants are ranked by.
+    /// Returns the root mean square that variants are ranked by; known ill-conditioned pixels are excluded.
     #[must_use]
     pub fn ranked(&self) -> f64 {
         self.apart.map_or(self.rmse, |a| a.rmse)
@@ -120,7 +121,7 @@ fn apart(film: &Film, reference: &Film, condition: &mut Condition, until: Instan
         ill.extend(some.iter().zip(moves).filter(|(_, moves)| **moves == Some(true)).map(|((_, i), _)| *i));
     };
 
-    // Whether the worst that is not ill-conditioned is known; all may be.
+    // True if the worst well-conditioned pixel is known; all pixels may be ill-conditioned.
     let mut sure = beyond.len() <= WORST_ASKED;
     let mut rest = &beyond[..];
     for some in beyond[..beyond.len().min(WORST_ASKED)].chunks(BATCH) {

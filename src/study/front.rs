@@ -1,13 +1,13 @@
-//! What nothing else beats in both time and error.
+//! Pareto front of time and error.
 
-/// For each point of (cost, error), whether no other is at most as costly and at most as wrong, and less in one of them.
+/// Returns for each point of (cost, error) true if no other point is at most as large in both and smaller in one.
 #[must_use]
 pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
     let finite = |p: &[f64; 2]| p.iter().all(|x| x.is_finite());
     let mut order: Vec<usize> = (0..points.len()).filter(|&i| finite(&points[i])).collect();
     order.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]).then(points[a][1].total_cmp(&points[b][1])));
     let mut on = vec![false; points.len()];
-    // The least error of all that is cheaper than the group of equal cost at hand.
+    // Smallest error of all points cheaper than the current group of equal cost.
     let mut cheaper = f64::INFINITY;
     for group in order.chunk_by(|&a, &b| points[a][0] == points[b][0]) {
         let least = points[group[0]][1];

@@ -1,8 +1,8 @@
-//! What was measured so far, in a folder, so that a study may end at any time and go on later.
+//! Journal of a study: measurements kept in a folder, so that a study can be stopped and continued.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
-use std::io::Write as _;
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -13,44 +13,48 @@ use super::reference::{Made, Reference};
 use super::variant::Variant;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::render::{RayCounts, RayKind};
+use crate::system::files;
 use crate::{Error, Result};
 
-/// The part of the folder that a study keeps for itself.
+/// Subfolder reserved for the study's own files.
 const KEPT: &str = "study";
 
-/// What was measured of one variant.
+/// Size of a journal that is read, at most: far more than all levels of all axes take.
+const LARGEST: u64 = 64 << 20;
+
+/// Measurements of one variant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Record {
-    /// Its choices.
+    /// Choices.
     pub variant: Variant,
     /// Wall time of each timed render, in seconds.
     pub seconds: Vec<f64>,
-    /// Each of them over the default variant's in the same round.
+    /// Time of each render relative to the default variant's in the same round.
     pub ratios: Vec<f64>,
-    /// Each of them over that of the same walk with the watertight test and true division in the same round, where the
-    /// variant chooses among these.
+    /// Time of each render relative to the same walk with the watertight test and true division, in the same round.
+    /// Only for variants that choose among these.
     #[serde(default)]
     pub walk_ratios: Vec<f64>,
-    /// Share of triangle tests that fell to `f64`, where the variant chooses among these.
+    /// Share of triangle tests that fell back to `f64`. Only for variants that choose among these.
     #[serde(default)]
     pub settled: Option<f64>,
-    /// Wall time of building its hierarchy, in seconds.
+    /// Wall time of building the hierarchy, in seconds.
     pub build_seconds: f64,
-    /// Rays traced.
+    /// Number of rays traced.
     pub rays: Rays,
-    /// Against `f64` with the exact choices at the default's rays a pixel, where it has as many.
+    /// Errors against `f64` with the exact choices at the default's rays per pixel, if the variant has as many.
     pub own: Option<Errors>,
-    /// Against 16 by 16 rays a pixel.
+    /// Errors against 16 by 16 rays per pixel.
     pub fine: Option<Errors>,
-    /// Against the default variant's picture: what the choice alone changes.
+    /// Difference to the default variant's picture.
     pub change: Option<Change>,
-    /// Where its light went.
+    /// Energy balance.
     pub ledger: Ledger,
-    /// Its picture's file in the study's folder.
+    /// File of its picture in the study's folder.
     pub film: String,
 }
 
-/// The difference of two pictures.
+/// Difference of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
     /// Root of the mean squared difference over all channels.
@@ -59,20 +63,20 @@ pub struct Change {
     pub max: f64,
 }
 
-/// Rays by kind.
+/// Numbers of rays by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rays {
-    /// All.
+    /// All rays.
     pub total: u64,
-    /// From the camera.
+    /// Camera rays.
     pub camera: u64,
-    /// Mirrored.
+    /// Reflected rays.
     pub reflected: u64,
-    /// Refracted or passed through.
+    /// Refracted or passing rays.
     pub transmitted: u64,
-    /// Towards lights.
+    /// Shadow rays.
     pub shadow: u64,
-    /// The deepest level reached.
+    /// Deepest level reached.
     pub deepest: u64,
 }
 
@@ -89,10 +93,10 @@ impl From<&RayCounts> for Rays {
     }
 }
 
-/// The first line of a journal: what it is of.
+/// Header of a journal, its first line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Of the scene, the default choices, the program and the machine.
+    /// Digest of the scene, the default choices, the program and the machine.
     pub digest: String,
     /// Columns of its pictures.
     pub width: u32,
@@ -109,40 +113,41 @@ enum Line {
     Variant(Box<Record>),
 }
 
-/// A study's folder and what is in it.
+/// Folder of a study with its content.
 #[derive(Debug)]
 pub struct Journal {
     folder: PathBuf,
-    /// What it is of, once that is known.
+    /// Header, once known.
     pub header: Option<Header>,
-    /// What the other axes are held against.
+    /// Reference for all axes except sampling.
     pub own: Option<Reference>,
-    /// What the sampling axis is held against.
+    /// Reference for the sampling axis.
     pub fine: Option<Reference>,
-    /// What was measured, in the order of measuring.
+    /// Measurements, in their order.
     pub records: Vec<Record>,
 }
 
 impl Journal {
-    /// Opens the journal in `folder`, which is made where it is missing, and reads what is there of the study of
-    /// `digest`. A last line that was cut short, and records whose pictures are gone, are measured anew.
+    /// Opens the journal in `folder`, which is created if missing, and reads the study of `digest`. A truncated last
+    /// line, and records whose pictures are missing, are measured again.
     ///
     /// # Errors
-    /// Io; usage, where the folder holds a study of something else, unless `fresh` says to forget it.
+    /// - `Error::Io` if a file cannot be read or created.
+    /// - `Error::Usage` if the folder contains another study, unless `fresh` discards it.
     pub fn open(folder: &Path, digest: &str, fresh: bool) -> Result<Self> {
         let kept = folder.join(KEPT);
-        fs::create_dir_all(&kept).map_err(|e| Error::io(&kept, "create", e))?;
+        files::create_folder(&kept)?;
         let mut journal = Self { folder: kept, header: None, own: None, fine: None, records: Vec::new() };
         let path = journal.path();
         if fresh {
             journal.forget()?;
             return Ok(journal);
         }
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(journal),
-            Err(e) => return Err(Error::io(&path, "read", e)),
-        };
+        if fs::symlink_metadata(&path).is_err_and(|e| e.kind() == io::ErrorKind::NotFound) {
+            return Ok(journal);
+        }
+        let bytes = files::read(&path, LARGEST)?;
+        let text = String::from_utf8_lossy(&bytes);
         for line in text.lines() {
             match serde_json::from_str(line) {
                 Ok(Line::Study(header)) if header.digest == digest => journal.header = Some(header),
@@ -192,32 +197,32 @@ impl Journal {
         self.film(&made.film).map(|film| Reference { film, made })
     }
 
-    /// A picture that was kept.
+    /// Returns a stored picture.
     #[must_use]
     pub fn film(&self, name: &str) -> Option<Film> {
         image::read(&self.folder.join(name), &ReadOptions::default()).ok().map(|picture| picture.film)
     }
 
-    /// What was measured of a variant.
+    /// Returns the measurements of a variant.
     #[must_use]
     pub fn find(&self, variant: &Variant) -> Option<&Record> {
         self.records.iter().find(|r| r.variant == *variant)
     }
 
-    /// Says what the study is of.
+    /// Writes the header.
     ///
     /// # Errors
-    /// Io.
+    /// Returns `Error::Io` if a file cannot be written.
     pub fn begin(&mut self, header: Header) -> Result<()> {
         self.append(&Line::Study(header.clone()))?;
         self.header = Some(header);
         Ok(())
     }
 
-    /// Keeps what pictures are held against.
+    /// Stores the reference of all axes except sampling.
     ///
     /// # Errors
-    /// Io.
+    /// Returns `Error::Io` if a file cannot be written.
     pub fn keep_own(&mut self, reference: Reference) -> Result<()> {
         self.keep_film(&reference.made.film, &reference.film)?;
         self.append(&Line::Own(reference.made.clone()))?;
@@ -225,10 +230,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps what the sampling axis is held against.
+    /// Stores the reference of the sampling axis.
     ///
     /// # Errors
-    /// Io.
+    /// Returns `Error::Io` if a file cannot be written.
     pub fn keep_fine(&mut self, reference: Reference) -> Result<()> {
         self.keep_film(&reference.made.film, &reference.film)?;
         self.append(&Line::Fine(reference.made.clone()))?;
@@ -236,10 +241,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps what was measured of a variant, in place of what there was of it.
+    /// Stores the measurements and the picture of a variant, replacing earlier ones.
     ///
     /// # Errors
-    /// Io.
+    /// Returns `Error::Io` if a file cannot be written.
     pub fn keep(&mut self, record: Record, film: &Film) -> Result<()> {
         self.keep_film(&record.film, film)?;
         self.append(&Line::Variant(Box::new(record.clone())))?;
@@ -247,10 +252,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Keeps new figures of a variant whose picture is there.
+    /// Stores new figures of a variant whose picture exists.
     ///
     /// # Errors
-    /// Io.
+    /// Returns `Error::Io` if a file cannot be written.
     pub fn note(&mut self, record: Record) -> Result<()> {
         self.append(&Line::Variant(Box::new(record.clone())))?;
         self.put(record);
@@ -265,18 +270,46 @@ impl Journal {
     fn append(&self, line: &Line) -> Result<()> {
         let path = self.path();
         let system = |e| Error::io(&path, "write", e);
-        let mut text = serde_json::to_string(line).map_err(|e| system(std::io::Error::other(e)))?;
+        let mut text = serde_json::to_string(line).map_err(|e| system(io::Error::other(e)))?;
         text.push('\n');
-        let mut file = OpenOptions::new().create(true).append(true).open(&path).map_err(system)?;
-        // At once, so that a line is whole or missing.
+        let mut file = OpenOptions::new().create(true).read(true).append(true).open(&path).map_err(system)?;
+        if !ends_a_line(&mut file).map_err(system)? {
+            text.insert(0, '\n');
+        }
+        // Written at once, so that a line is complete or missing.
         file.write_all(text.as_bytes()).and_then(|()| file.sync_data()).map_err(system)
     }
 }
 
-/// The name of the file that a variant's picture is kept in.
+/// Returns false if the last line of a file was cut short.
+fn ends_a_line(file: &mut File) -> io::Result<bool> {
+    if file.metadata()?.len() == 0 {
+        return Ok(true);
+    }
+    file.seek(SeekFrom::End(-1))?;
+    let mut last = [0];
+    file.read_exact(&mut last)?;
+    Ok(last == *b"\n")
+}
+
+/// Returns the file name of a variant's picture.
 #[must_use]
 pub fn film_name(variant: &Variant) -> String {
     let mut hasher = DefaultHasher::new();
     variant.flags().hash(&mut hasher);
     format!("{:016x}.pfm", hasher.finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_last_line_that_was_cut_short_is_told_from_a_whole_one() {
+        for (text, whole) in [("", true), ("{}\n", true), ("{}\n{\"st", false)] {
+            let mut file = tempfile::tempfile().unwrap();
+            file.write_all(text.as_bytes()).unwrap();
+            assert_eq!(ends_a_line(&mut file).unwrap(), whole, "{text:?}");
+        }
+    }
 }

@@ -1,10 +1,10 @@
-//! What accuracy costs: pictures of one scene by different choices, each timed beside the default one and held against
-//! the `f64` renderer with the exact choices.
+//! Cost of accuracy: pictures of one scene by different choices, each timed beside the default and compared with the
+//! `f64` renderer with the exact choices.
 //!
-//! [`Axis`] lists the choices, [`Variant`] is one of each, [`Engine`] makes its picture. [`run`](run::run) times and
-//! judges every level of every axis with the others at their defaults, then the product of the axes that mattered,
-//! within a time limit; what it measured is kept in a [`Journal`], from which it goes on when it is run again.
-//! [`formulas`] is the same question for one formula at a time.
+//! [`Axis`] lists the choices, [`Variant`] holds one level of each, and [`Engine`] renders its picture.
+//! [`run`](run::run) times and judges every level of every axis with the others at their defaults. It then measures the
+//! product of the axes that matter, within a time limit. Measurements are kept in a [`Journal`], from which a later run
+//! continues. [`formulas`] studies one formula at a time.
 
 pub mod axis;
 pub mod budget;
@@ -29,7 +29,7 @@ mod systems;
 pub mod text;
 pub mod variant;
 
-pub use axis::{Axis, Backend, Level, Precision, Spheres};
+pub use axis::{Axis, Level, Precision, Spheres};
 pub use engine::Engine;
 pub use errors::Errors;
 pub use journal::Journal;

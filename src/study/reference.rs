@@ -1,51 +1,51 @@
-//! What pictures are held against.
+//! Reference pictures.
 
 use serde::{Deserialize, Serialize};
 
 use super::axis::{Precision, Spheres};
 use super::variant::Variant;
 use crate::image::Film;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
 
-/// Depth limit of the exact choices, at least.
+/// Smallest depth limit of the exact choices.
 const DEPTH: u32 = 64;
 
-/// Cut-off of the exact choices, at most.
+/// Largest cut-off of the exact choices.
 const CUTOFF: f32 = 1.0 / 65536.0;
 
-/// Rays a pixel, squared, of what the sampling axis is judged against.
+/// Edge of the grid of rays per pixel in the reference of the sampling axis.
 pub const FINE: u32 = 16;
 
-/// A reference picture and where it is from.
+/// Reference picture with its origin.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// The picture.
+    /// Picture.
     pub film: Film,
-    /// What it is.
+    /// Origin of the picture.
     pub made: Made,
 }
 
-/// How a reference was made.
+/// Origin of a reference picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Made {
-    /// Its choices.
+    /// Choices.
     pub variant: Variant,
     /// Wall time, in seconds.
     pub seconds: f64,
-    /// Mean weight that even its depth limit and cut-off took.
+    /// Mean weight that its own depth limit and cut-off removed.
     pub cut: f64,
-    /// The most that they took of a pixel's channel.
+    /// Largest weight that they removed from a pixel's channel.
     pub cut_most: f64,
-    /// Its file in the study's folder.
+    /// File in the study's folder.
     pub film: String,
 }
 
-/// The exact choices, for light that is not polarised unless `default` says so, with the rays a pixel and the shadow rule of `default`: `f64`, the
-/// Fresnel equations, Snell's law, traced reflections, exact spheres, a depth limit of at least 64 and a cut-off of at
-/// most 1/65536.
+/// Returns the exact choices: `f64`, the Fresnel equations, Snell's law, traced reflections, exact spheres, a depth
+/// limit of at least 64 and a cut-off of at most 1/65536. Rays per pixel and shadow rule are those of `default`. Light
+/// is unpolarised unless `default` has polarisation.
 #[must_use]
 pub fn exact(default: &Variant) -> Variant {
     Variant {
@@ -54,7 +54,6 @@ pub fn exact(default: &Variant) -> Variant {
             _ => FresnelModel::Exact,
         },
         refraction: RefractionModel::Stable,
-        oliveira: Oliveira::GLASS,
         reflection: Reflection::Traced,
         spheres: Spheres::Exact,
         depth: default.depth.max(DEPTH),
@@ -67,14 +66,14 @@ pub fn exact(default: &Variant) -> Variant {
     }
 }
 
-/// The same with both polarisations carried along the path, where no medium of the scene disperses light.
+/// Returns the exact choices with polarisation carried along paths, if no medium of the scene disperses light.
 #[must_use]
 pub fn most_exact(default: &Variant, scene: &Scene) -> Variant {
     let disperses = scene.media.iter().any(crate::scene::Medium::disperses);
     Variant { fresnel: if disperses { FresnelModel::Exact } else { FresnelModel::Polarised }, ..exact(default) }
 }
 
-/// Names of the choices of a reference that set its own error: precision, Fresnel formula, depth limit, cut-off.
+/// Names the choices that determine a reference's own error: precision, Fresnel formula, depth limit, cut-off.
 #[must_use]
 pub fn named(reference: &Variant) -> String {
     let light = if reference.fresnel == FresnelModel::Polarised { "polarised" } else { "unpolarised" };
@@ -83,8 +82,8 @@ pub fn named(reference: &Variant) -> String {
     format!("{precision}, {light}, depth {depth}, cut-off 1/{:.0}", 1.0 / cutoff)
 }
 
-/// What 16 by 16 rays a pixel may be made by, the best first: the choices of `exact` in `f64`, the same in `f32`, the
-/// default ones.
+/// Returns the variants for 16 by 16 rays per pixel, the best first: the choices of `exact` in `f64`, the same in
+/// `f32`, and the default ones.
 #[must_use]
 pub fn fine(default: &Variant, exact: &Variant) -> [Variant; 3] {
     let single = Variant { precision: Precision::Single, ..*exact };

@@ -1,4 +1,4 @@
-//! A study from beginning to end, or to where time or the user ends it.
+//! A study from start to end, or until time runs out or the user stops it.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,6 +14,7 @@ use super::reference::{self, Made, Reference};
 use super::report::{self, Pictured, Report};
 use super::variant::Variant;
 use super::{digest, size};
+use crate::accel::reference::Reference as Arbiter;
 use crate::image::{self, Film};
 use crate::render::Observer;
 use crate::render::reference::Prepared;
@@ -21,63 +22,65 @@ use crate::scene::Scene;
 use crate::trial::Machine;
 use crate::{Error, Result};
 
-/// Runs that make an interval worth the name.
+/// Smallest number of runs for a meaningful interval.
 const FEWEST_RUNS: usize = 3;
 
-/// Above this a render, in seconds, is long enough not to be warmed up for, and to be run but once where time is short.
+/// Time in seconds above which a render needs no warm-up, and one run suffices if time is short.
 const LONG: f64 = 1.0;
 
-/// Variants that take turns.
+/// Number of variants that take turns.
 const BLOCK: usize = 8;
 
-/// Part of a variant's time that asking its pixels about their condition may take.
+/// Condition tests use at most this share of a variant's render time.
 const ASKING: f64 = 0.25;
 
-/// Members of the front that are tried at other numbers of rays a pixel.
+/// Number of front members that are tried at other numbers of rays per pixel.
 const RESAMPLED: usize = 4;
 
-/// What is studied, and how.
+/// Subject and options of a study.
 #[derive(Clone, Debug)]
 pub struct Subject<'a> {
-    /// The scene, with the settings that its default picture has.
+    /// Scene, with the settings of its default picture.
     pub scene: &'a Scene,
-    /// Its file, as the user named it.
+    /// File of the scene, as named by the user.
     pub path: &'a Path,
-    /// The default choices.
+    /// Default choices.
     pub default: Variant,
-    /// Columns and rows; none is as many as the time limit bears.
+    /// Columns and rows; `None` for as many as the time limit allows.
     pub size: Option<[u32; 2]>,
-    /// Worker threads; 0 is one a processor.
+    /// Number of worker threads; 0 means one per processor.
     pub threads: usize,
-    /// The axes to study.
+    /// Axes to study.
     pub axes: Vec<Axis>,
-    /// How long one session may take.
+    /// Largest duration of one session.
     pub limit: Duration,
-    /// The most timed runs of a variant.
+    /// Largest number of timed runs per variant.
     pub runs: usize,
-    /// Whether axes are combined.
+    /// True if axes are combined.
     pub combine: bool,
-    /// The command that asked for it.
+    /// Command that started the study.
     pub command: String,
-    /// What it runs on.
+    /// Machine that it runs on.
     pub machine: Machine,
 }
 
-/// How a caller watches a study, and stops it.
+/// Progress of a study, and the request to stop it.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
-    /// Its `stop` ends the study within a tile.
+    /// Observer whose `stop` ends the study within a tile.
     pub observer: &'a Observer,
-    /// Told what is being done.
+    /// Callback for messages on the current work.
     pub say: &'a (dyn Fn(&str) + Sync),
 }
 
-/// Measures what is not in the journal of `folder` yet, and reports on all that is there then. Where the user ends it,
-/// the report says that it is not finished.
+/// Measures everything that the journal of `folder` lacks, and reports on all measurements. If the user stops it, the
+/// report says that the study is unfinished.
 ///
 /// # Errors
-/// Io; usage, where the folder holds another study; a limit, where the default back end is not there; `Interrupted`,
-/// before there is anything to report.
+/// - `Error::Io` if a file cannot be read or written.
+/// - `Error::Usage` if the folder contains another study.
+/// - `Error::Limit` if the default back end is not available.
+/// - `Error::Interrupted` if stopped before there is anything to report.
 pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Result<Report> {
     let start = Instant::now();
     let digest = digest::of(subject);
@@ -91,11 +94,12 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
             [width, height]
         }
     };
-    let mut scene = subject.scene.clone();
+    let mut scene = subject.scene.try_clone()?;
     (scene.settings.width, scene.settings.height) = (width, height);
     scene.settings = subject.default.settings(&scene.settings);
     let exact = reference::most_exact(&subject.default, &scene);
-    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
+    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.try_clone()? };
+    Arbiter::need(&judge.geometry)?;
     let condition = Condition::new(&judge, Prepared::new(&judge, exact.fresnel), VISIBLE, watch.observer);
     let mut session = Session {
         subject,
@@ -155,11 +159,11 @@ struct Session<'a> {
     watch: Watch<'a>,
     start: Instant,
     left_out: Vec<String>,
-    /// Names of what the time limit left out.
+    /// Names of variants left out for lack of time.
     late: Vec<String>,
-    /// The part of the time left that the variants still to come may take, and how many these are.
+    /// Share of the remaining time for the variants still to come, and their number.
     portion: (f64, usize),
-    /// The default's picture.
+    /// Picture of the default variant.
     default_film: Option<Film>,
 }
 
@@ -176,12 +180,12 @@ impl Session<'_> {
         (self.watch.say)(what);
     }
 
-    /// References, single axes, products, sampling.
+    /// Measures references, single axes, products and sampling.
     fn all(&mut self) -> Result<()> {
         let subject = self.subject;
         let default = subject.default;
         self.say("the default");
-        // Twice: the first one builds and warms.
+        // Twice: the first render builds and warms up.
         self.engine.shoot(&default, self.watch.observer)?;
         let shot = self.engine.shoot(&default, self.watch.observer)?;
         let default_seconds = shot.seconds;
@@ -196,11 +200,11 @@ impl Session<'_> {
         }
         self.keep_default(&shot)?;
 
-        // Without its reference the sampling axis could be timed and not judged.
+        // Without its reference the sampling axis could be timed but not judged.
         let judged = self.journal.fine.is_some();
         plan.retain(|(axis, _)| *axis != Axis::Sampling || judged);
         let singles: usize = plan.iter().map(|(_, variants)| variants.len()).sum();
-        // What is left is shared evenly, with a third of it for combinations.
+        // The remaining time is shared evenly, with a third of it for combinations.
         let for_singles = if subject.combine { 0.65 } else { 0.95 };
         self.portion = (for_singles, singles);
         for (axis, variants) in &plan {
@@ -215,7 +219,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// What the other axes are held against.
+    /// Renders the reference of all axes except sampling.
     fn make_own(&mut self) -> Result<()> {
         if self.journal.own.is_some() {
             return Ok(());
@@ -226,7 +230,7 @@ impl Session<'_> {
         self.journal.keep_own(reference)
     }
 
-    /// What the sampling axis is held against: the best that the time bears.
+    /// Renders the reference of the sampling axis, the best that the time allows.
     fn make_fine(&mut self, default_seconds: f64) -> Result<()> {
         if self.journal.fine.is_some() {
             return Ok(());
@@ -235,7 +239,7 @@ impl Session<'_> {
         let [double, single, plain] = reference::fine(&default, &reference::most_exact(&default, self.subject.scene));
         let times = (f64::from(reference::FINE) / f64::from(default.samples)).powi(2);
         let double_seconds = self.journal.own.as_ref().map_or(f64::INFINITY, |own| own.made.seconds) * times;
-        // What the exact choices cost in f32 is not known yet; deep paths are seldom more than four times the work.
+        // The cost of the exact choices in f32 is unknown; deep paths seldom cost more than four times as much.
         let [single_seconds, plain_seconds] = [4.0, 1.0].map(|factor| factor * default_seconds * times);
         let left = self.left();
         let chosen = [(double, double_seconds), (single, single_seconds), (plain, plain_seconds)]
@@ -281,7 +285,7 @@ impl Session<'_> {
         self.journal.keep(record, &shot.outcome.film)
     }
 
-    /// All but the times of a variant. Its pixels are asked about their condition for at most so many seconds.
+    /// Measures everything but the times of a variant. Condition tests take at most `seconds`.
     fn judge(&mut self, variant: &Variant, shot: &Shot, seconds: f64) -> Result<Record> {
         let until = Instant::now() + Duration::from_secs_f64(seconds.max(0.0));
         let film = &shot.outcome.film;
@@ -316,9 +320,9 @@ impl Session<'_> {
         })
     }
 
-    /// Measures variants that are not done yet, some at a time.
+    /// Measures variants that are not complete yet, several at a time.
     fn block(&mut self, name: &str, variants: &[Variant]) -> Result<()> {
-        // One run of a long one has to do where time is short.
+        // One run of a long variant suffices if time is short.
         let enough = |r: &Record| {
             let fewest = if r.seconds.iter().any(|&s| s > LONG) { 1 } else { FEWEST_RUNS };
             r.ratios.len() >= fewest.min(self.subject.runs)
@@ -328,14 +332,14 @@ impl Session<'_> {
         self.portion.1 = self.portion.1.saturating_sub(variants.len() - fresh.len());
         for some in fresh.chunks(BLOCK) {
             let begin = Instant::now();
-            // What the others of this stage and the next one do not need.
+            // Share of the remaining time budget for this block.
             let share = self.left() * self.portion.0 / self.portion.1.max(some.len()) as f64 * some.len() as f64;
             self.portion.1 = self.portion.1.saturating_sub(some.len());
             let mut turns = Vec::new();
             for variant in some {
                 let title = variant.name(&self.subject.default);
                 let expected = self.expected(variant);
-                // Even a single run has to fit.
+                // Even a single run must fit.
                 if self.left() < expected {
                     self.late.push(title);
                     continue;
@@ -355,7 +359,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Says why a variant cannot be had, once for all that have the same reason.
+    /// Records why a variant is unavailable, once for all variants with the same reason.
     fn leave_out(&mut self, title: &str, why: &str) {
         let ending = format!(": {why}");
         match self.left_out.iter_mut().find(|line| line.ends_with(&ending)) {
@@ -364,7 +368,7 @@ impl Session<'_> {
         }
     }
 
-    /// Seconds that a run may take, from what is known before it: nothing of most.
+    /// Estimated seconds for one run. Rough: most variants have not been measured yet.
     fn expected(&self, variant: &Variant) -> f64 {
         let default = self.journal.find(&self.subject.default).map_or(0.0, |r| r.seconds[0]);
         let rays = (f64::from(variant.samples) / f64::from(self.subject.default.samples)).powi(2);
@@ -375,9 +379,9 @@ impl Session<'_> {
         (default * rays * 0.5).max(double * rays)
     }
 
-    /// The first picture of a variant, which is judged; where it takes long, its time counts.
+    /// Renders and judges the first picture of a variant; if it takes long, its time counts.
     fn first(&mut self, variant: &Variant, asking: f64) -> Result<Turn> {
-        // First, since it may be one that cannot be had.
+        // Rendered first, since the variant may be unavailable.
         let shot = self.engine.shoot(variant, self.watch.observer)?;
         let default = self.engine.shoot(&self.subject.default, self.watch.observer)?;
         let record = self.judge(variant, &shot, asking)?;
@@ -390,7 +394,7 @@ impl Session<'_> {
         Ok(turn)
     }
 
-    /// Default, A, B, C, default, default, A, B, C, default, ... until each has as many runs as it is worth.
+    /// Runs rounds of default, A, B, C, default, default, A, B, C, default, ... until each variant has enough runs.
     fn rounds(&mut self, name: &str, turns: &mut [Turn], seconds: f64) -> Result<()> {
         let each = seconds / turns.len().max(1) as f64;
         let fewest = FEWEST_RUNS.min(self.subject.runs);
@@ -416,7 +420,7 @@ impl Session<'_> {
                     }
                     round.push((i, self.engine.shoot(&variant, self.watch.observer)?.seconds));
                 }
-                // All of a round are held against the default's time: once is not enough.
+                // All variants of a round are compared with the default's time, so it is measured twice.
                 let after = self.engine.shoot(&default, self.watch.observer)?.seconds;
                 let beside = (before * after).sqrt();
                 of_default.extend([before, after]);
@@ -461,7 +465,7 @@ impl Session<'_> {
         (first, singles.filter_map(point).collect())
     }
 
-    /// The product of the axes that mattered.
+    /// Measures the product of the axes that matter.
     fn combine(&mut self) -> Result<()> {
         let (Some(default), singles) = self.points() else { return Ok(()) };
         let products = plan::products(&default, &singles);
@@ -486,7 +490,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// The front at other numbers of rays a pixel.
+    /// Measures the front at other numbers of rays per pixel.
     fn resample(&mut self) -> Result<()> {
         if self.journal.fine.is_none() {
             return Ok(());
@@ -513,12 +517,12 @@ impl Session<'_> {
     }
 }
 
-/// A variant whose turn comes once a round.
+/// Variant that runs once per round.
 struct Turn {
     record: Record,
     film: Film,
-    /// Seconds of a run, with its part of the default's.
+    /// Seconds of a run, including its share of the default's.
     cost: f64,
-    /// Timed runs.
+    /// Number of timed runs.
     wanted: usize,
 }

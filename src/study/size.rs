@@ -1,4 +1,4 @@
-//! How large a study's pictures are: as large as its time limit bears.
+//! Size of a study's pictures, as large as its time limit allows.
 
 use super::engine::Engine;
 use super::reference;
@@ -7,25 +7,26 @@ use crate::Result;
 use crate::render::Observer;
 use crate::scene::{Scene, Settings};
 
-/// The largest that is chosen, in pixels.
+/// Largest size chosen, in pixels.
 const MOST: f64 = 320.0 * 240.0;
 
-/// The smallest: fewer pixels would tell nothing, whatever the time limit.
+/// Smallest size, in pixels; fewer would be meaningless for any time limit.
 const LEAST: f64 = 48.0 * 32.0;
 
-/// Pixels of the pictures that costs are estimated from.
+/// Numbers of pixels of the pictures that costs are estimated from.
 const PROBE: [f64; 2] = [4800.0, 600.0];
 
-/// Default pictures that a session should have time for.
+/// Number of default pictures that a session should have time for.
 const PICTURES: f64 = 1000.0;
 
-/// The share of a session that the reference may take.
+/// Share of a session that the reference may take.
 const REFERENCE: f64 = 0.1;
 
-/// Columns and rows as asked for, or as many as the time limit bears, in the scene's shape.
+/// Returns the requested columns and rows, or as many as the time limit allows, in the scene's aspect ratio.
 ///
 /// # Errors
-/// `Interrupted`; a limit, where the default back end is not there.
+/// - `Error::Interrupted` if the observer requests a stop.
+/// - `Error::Limit` if the default back end is not available.
 pub fn choose(subject: &Subject, observer: &Observer) -> Result<[u32; 2]> {
     if let Some(size) = subject.size {
         return Ok(size);
@@ -50,7 +51,7 @@ pub fn choose(subject: &Subject, observer: &Observer) -> Result<[u32; 2]> {
     Ok(fit(settings, by_default.min(by_reference).clamp(LEAST, MOST).min(own)))
 }
 
-/// The size of about so many pixels in the shape of a picture.
+/// Returns the size with about `pixels` pixels in the aspect ratio of a picture.
 pub(super) fn fit(settings: &Settings, pixels: f64) -> [u32; 2] {
     let (width, height) = (f64::from(settings.width), f64::from(settings.height));
     let scale = (pixels / (width * height)).sqrt().min(1.0);

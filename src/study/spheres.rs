@@ -1,11 +1,11 @@
-//! A scene with its exact spheres made of triangles.
+//! Replacement of exact spheres by triangles.
 
 use super::axis::Spheres;
 use crate::geometry::{Shape, Sphere, TriMesh};
 use crate::load::shapes;
 use crate::scene::Scene;
 
-/// `scene` with its spheres as asked for.
+/// Returns `scene` with exact or tessellated spheres.
 #[must_use]
 pub fn with_spheres(scene: &Scene, spheres: Spheres) -> Scene {
     let mut scene = scene.clone();
@@ -20,7 +20,7 @@ pub fn with_spheres(scene: &Scene, spheres: Spheres) -> Scene {
     scene
 }
 
-/// The unit sphere where `sphere` is; its corners lie on the sphere, so that it is smaller.
+/// Returns the unit sphere mesh moved to `sphere`. Its corners lie on the sphere, so it is slightly smaller.
 fn placed(unit: &TriMesh, sphere: Sphere) -> TriMesh {
     let mut mesh = unit.clone();
     for p in &mut mesh.positions {

@@ -41,6 +41,21 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Creates a folder, and those above it, where they are missing.
+///
+/// # Errors
+/// `Io` where the system refuses, or a file or a link to nothing has the name of one of them.
+pub fn create_folder(path: &Path) -> Result<()> {
+    fs::create_dir_all(path).map_err(|e| {
+        let in_the_way = path.ancestors().find(|p| fs::symlink_metadata(p).is_ok() && !p.is_dir());
+        let e = in_the_way.map_or(e, |p| {
+            let what = if p.exists() { "a file" } else { "a link to a folder that does not exist" };
+            io::Error::other(format!("{} is {what}; choose another folder", p.display()))
+        });
+        Error::io(path, "create", e)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,5 +79,22 @@ mod tests {
         // Files of /proc have length 0 and grow while they are read.
         let refused = read(Path::new("/proc/self/maps"), 1 << 20).unwrap_err();
         assert!(refused.exit_code() == 3 && refused.to_string().contains("grew while it was read"), "{refused}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_is_made_and_what_is_in_its_way_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        create_folder(&path("a/b")).unwrap();
+        create_folder(&path("a/b")).unwrap();
+        fs::write(path("file"), "").unwrap();
+        std::os::unix::fs::symlink("nowhere", path("link")).unwrap();
+        for (inside, words) in
+            [("file/b", "file is a file;"), ("link/b", "link is a link to a folder that does not exist;")]
+        {
+            let refused = create_folder(&path(inside)).unwrap_err();
+            assert!(refused.exit_code() == 3 && refused.to_string().contains(words), "{refused}");
+        }
     }
 }

@@ -16,30 +16,15 @@ const MOST_MAPS: usize = 256;
 /// Widths of the faces of a cube map, in texels, at least and at most.
 const FACES: [f64; 2] = [16.0, 2048.0];
 
-/// What stands for the surroundings of a reflector.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Proxy {
-    /// Nothing: they are taken for infinitely far.
-    #[default]
-    None,
-    /// A box with the axes of the scene, whose sides are as far as what the map's rays met there.
-    Box,
-    /// A sphere around the reflector's centre, as far as what they met.
-    Sphere,
-}
-
-impl Proxy {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::None, Self::Box, Self::Sphere];
-
-    /// The name on the command line and in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Box => "box",
-            Self::Sphere => "sphere",
-        }
+crate::choice! {
+    /// Stand-in for the surroundings of reflectors that show maps.
+    pub enum Proxy("proxy", derive(Eq, Hash), default(None)) {
+        /// None: surroundings are taken for infinitely far.
+        "none" => None,
+        /// Box with the axes of the scene, whose sides are as far as what the map's rays met there.
+        "box" => Box,
+        /// Sphere around the reflector's centre, as far as what they met.
+        "sphere" => Sphere,
     }
 }
 

@@ -1,11 +1,10 @@
 //! Triangle tests and reciprocals on whole pictures: one walk, which finds what the native path finds.
 
-use assert_cmd::Command;
 use glam::Vec3;
-use predicates::prelude::*;
-use predicates::str::contains;
-use vitrum::accel::native::{Native, TriangleModel, Walk};
+use vitrum::accel::native::Native;
+use vitrum::accel::walk::Walk;
 use vitrum::accel::{BuildQuality, Unbounded};
+use vitrum::geometry::triangle_test::TriangleModel;
 use vitrum::geometry::{Geometry, GeometryMask, Ray, Shape};
 use vitrum::render::{Observer, Options, render};
 use vitrum::scene::{Rgb, Scene};
@@ -132,8 +131,13 @@ fn aimed_rays_slip_past_the_tests_that_leak_and_fall_to_f64_in_the_certified_one
     assert_eq!(lost(TriangleModel::MollerTrumbore, &seams).1.settled, 0);
 }
 
+#[cfg(feature = "cli")]
 #[test]
 fn the_walk_is_a_choice_of_the_native_path_and_told_in_the_summary() {
+    use assert_cmd::Command;
+    use predicates::prelude::*;
+    use predicates::str::contains;
+
     let folder = tempfile::tempdir().unwrap();
     let scene = super::command::SCENE
         .replace("shape = \"sphere\"\ncenter = [0, 1, 0]\nradius = 1", "shape = \"torus\"\nmajor = 0.7\nminor = 0.3");

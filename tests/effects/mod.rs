@@ -3,6 +3,7 @@
 use crate::support;
 
 mod bound;
+#[cfg(feature = "cli")]
 mod command;
 mod pipelines;
 mod reach;

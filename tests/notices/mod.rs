@@ -3,9 +3,11 @@
 mod support;
 
 mod bundled;
+#[cfg(feature = "cli")]
 mod commands;
 mod documented;
 mod empty;
+#[cfg(feature = "cli")]
 mod inside_out;
 mod losses;
 mod low_poly;

@@ -30,7 +30,7 @@ fn a_forgotten_half_of_unpolarised_fresnel_does_not_balance() {
 
 #[test]
 fn what_the_cut_off_took_is_in_the_ledger_and_balances() {
-    let small = super::theory::sea(1.0, 1.333, 0.5, FresnelRule::Fresnel);
+    let small = sea(1.0, 1.333, 0.5, FresnelRule::Fresnel);
     let exact = small.shoot(reference::exact(&small.default())).film;
     // Nothing is traced at all, so that all that is seen was cut.
     let ledger = Ledger::of(&small.shoot(small.default().with(Level::Depth(0))), &exact);

@@ -1,14 +1,15 @@
-//! What the study compares is really different: for each choice two levels differ by what theory says, worked out here by
-//! hand; and wrong light is caught by the ledger.
+//! Choices that the study compares really differ: for each choice two levels differ by the theoretical amount, computed
+//! here by hand. The ledger detects wrong light.
 
 mod ledger;
 mod theory;
 
 use glam::Vec3;
+use vitrum::accel::Backend;
 use vitrum::geometry::{Geometry, GeometryMask, Plane, Shape, TriMesh};
 use vitrum::render::{Observer, Outcome};
 use vitrum::scene::{Camera, Environment, Material, Medium, Object, Origin, Projection, Rgb, Scene, Settings};
-use vitrum::study::{Backend, Engine, Variant};
+use vitrum::study::{Engine, Variant};
 
 /// A scene of a few shapes seen by parallel rays, without lights.
 pub struct Small {

@@ -17,8 +17,10 @@ pub enum Boundary {
     Unjoined,
     /// A sheet in which some edges have a corner in their middle on one side only.
     Junction,
-    /// Leaves of a book, and a ball with fins.
+    /// Three to eight leaves of a book, and a ball with fins.
     NonManifold,
+    /// Cones that share nothing but their tips, some of them slit.
+    Cones,
     /// A ball with triangles that are there twice or three times, some the other way round.
     Duplicated,
     /// A closed ball, a hundred times as long as it is thick.
@@ -28,26 +30,34 @@ pub enum Boundary {
 }
 
 impl Boundary {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Open,
         Self::Slit,
         Self::Unjoined,
         Self::Junction,
         Self::NonManifold,
+        Self::Cones,
         Self::Duplicated,
         Self::Spindle,
         Self::Closed,
     ];
 
-    /// A mesh of this kind, of another shape, size and place for each `seed`.
+    /// A mesh of this kind, of another shape, size and place for each `seed`. One in three is joined by equal coordinates
+    /// instead of indices.
     pub fn mesh(self, seed: u64) -> TriMesh {
-        let rng = &mut Rng::new(seed.wrapping_mul(8).wrapping_add(self as u64));
+        let rng = &mut Rng::new(seed.wrapping_mul(16).wrapping_add(self as u64));
+        let mesh = self.by_indices(rng);
+        if rng.below(3) == 0 { apart(&mesh) } else { mesh }
+    }
+
+    fn by_indices(self, rng: &mut Rng) -> TriMesh {
         let mesh = match self {
             Self::Open => open(rng),
             Self::Slit => slit(rng),
             Self::Unjoined => return unjoined(&placed(ball(rng), rng), rng),
             Self::Junction => return junctions(&placed(sheet(rng), rng), rng),
             Self::NonManifold => non_manifold(rng),
+            Self::Cones => cones(rng),
             Self::Duplicated => duplicated(rng),
             Self::Spindle => {
                 let mut mesh = ball(rng);
@@ -108,20 +118,22 @@ fn slit(rng: &mut Rng) -> TriMesh {
     of(positions, (1..=n as u32).map(|k| [0, k, k + 1]).collect())
 }
 
+/// Each triangle with corners of its own.
+fn apart(mesh: &TriMesh) -> TriMesh {
+    let positions = (0..mesh.triangles.len()).flat_map(|i| mesh.corners(i)).collect();
+    of(positions, (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
 /// Each triangle with corners of its own, one in four of them moved by up to four spacings of its coordinates.
 fn unjoined(mesh: &TriMesh, rng: &mut Rng) -> TriMesh {
-    let mut positions = Vec::new();
-    for i in 0..mesh.triangles.len() {
-        for mut p in mesh.corners(i) {
-            if rng.below(4) == 0 {
-                let k = rng.below(3);
-                p[k] += vitrum::math::ulp(p[k]) * (rng.below(9) as f32 - 4.0);
-            }
-            positions.push(p);
+    let mut mesh = apart(mesh);
+    for p in &mut mesh.positions {
+        if rng.below(4) == 0 {
+            let k = rng.below(3);
+            p[k] += vitrum::math::ulp(p[k]) * (rng.below(9) as f32 - 4.0);
         }
     }
-    let triangles = (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    of(positions, triangles)
+    mesh
 }
 
 /// One in three triangles divided in two at the middle of an edge, rounded, of which the neighbour has no corner.
@@ -142,7 +154,7 @@ fn junctions(mesh: &TriMesh, rng: &mut Rng) -> TriMesh {
 
 fn non_manifold(rng: &mut Rng) -> TriMesh {
     if rng.below(2) == 0 {
-        let leaves = 3 + rng.below(4);
+        let leaves = 3 + rng.below(6);
         let mut positions: Vec<Vec3> = (0..4).map(|k| Vec3::Z * k as f32 * 0.5).collect();
         let mut triangles = Vec::new();
         for _ in 0..leaves {
@@ -163,6 +175,24 @@ fn non_manifold(rng: &mut Rng) -> TriMesh {
         }
     }
     mesh
+}
+
+fn cones(rng: &mut Rng) -> TriMesh {
+    let (mut positions, mut triangles) = (vec![Vec3::ZERO], Vec::new());
+    for _ in 0..2 + rng.below(3) {
+        let axis = rng.direction().normalize();
+        let (u, v) = axis.any_orthonormal_pair();
+        let (sides, wide, slit) = (3 + rng.below(8) as u32, 0.1 + rng.unit(), rng.below(3) == 0);
+        let gap = if slit { 10.0_f32.powf(-5.5 * rng.unit()) } else { 0.0 };
+        let first = positions.len() as u32;
+        positions.extend((0..sides + u32::from(slit)).map(|k| {
+            let (sin, cos) = ((std::f32::consts::TAU - gap) * k as f32 / sides as f32).sin_cos();
+            axis + (u * cos + v * sin) * wide
+        }));
+        let at = |k: u32| first + if slit { k } else { k % sides };
+        triangles.extend((0..sides).map(|k| [0, at(k), at(k + 1)]));
+    }
+    of(positions, triangles)
 }
 
 fn duplicated(rng: &mut Rng) -> TriMesh {

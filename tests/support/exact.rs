@@ -118,6 +118,11 @@ pub fn confirms(fault: Fault, ray: &Ray, claim: &Hit, mesh: &TriMesh) -> bool {
     }
 }
 
+/// Returns true if the line of `ray` really passes through no triangle within its interval.
+pub fn meets_nothing(ray: &Ray, mesh: &TriMesh) -> bool {
+    met(ray, mesh).is_empty()
+}
+
 /// Returns true if rays all around, as far away as `f32` may carry a corner at the least, meet something, too.
 fn goes_on_around(ray: &Ray, mesh: &TriMesh) -> bool {
     const RAYS: usize = 24;

@@ -23,7 +23,7 @@ impl Intersector for Held {
     }
 }
 
-pub const KERNELS: [Kernel; 4] = [Kernel::Single, Kernel::Packet, Kernel::Batch, Kernel::Auto];
+pub const KERNELS: [Kernel; 4] = [Kernel::Single, Kernel::Packet, Kernel::Stream, Kernel::Auto];
 
 /// A tree whose every invariant was checked.
 pub fn sound(geometry: &[Geometry]) -> Native {

@@ -3,10 +3,12 @@
 #![allow(dead_code, reason = "each test uses its own part")]
 
 pub mod aim;
+pub mod backends;
 pub mod contract;
 pub mod cracks;
 pub mod exact;
 pub mod kernels;
+pub mod program;
 pub mod random;
 pub mod scenes;
 pub mod shapes;

@@ -7,44 +7,52 @@
 //! mode it is judged before `t` is rounded.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::{BuildStats, Coherence, Counts, Intersector};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Unavailable};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8};
-use crate::simd::Mask8;
+use crate::simd::{Mask8, set_lanes};
 use crate::system::memory;
 
 pub mod device;
 mod fill;
 pub mod find;
+mod installed;
 mod options;
 mod packed;
 mod packet;
 pub mod reach;
 pub mod scene;
 mod sphere;
+/// Public only for the tests of the structs' sizes.
+#[doc(hidden)]
 pub mod sys;
 
+pub use installed::Installed;
 pub use options::{Frequency, Isa, Mode, Options, Quality, Spheres, Width};
 pub use packed::Packed;
 
 use device::{Device, Library};
 use fill::Filling;
 use packet::Interval;
-use reach::Lost;
 use scene::{Scene, SceneBuilder};
 use sys::QueryArguments;
+
+/// True in builds with the feature `embree`.
+pub const COMPILED_IN: bool = true;
 
 /// Bytes that Embree takes for each primitive while it builds: positions, indices, references and nodes.
 const BYTES_EACH: usize = 320;
 
-/// Shapes in Embree's hierarchy.
+/// Shapes in Embree's hierarchy. Clones share it.
+#[derive(Clone)]
 pub struct Embree {
     /// One scene with everything; or, where the library ignores masks, one for each mask that occurs.
-    parts: Vec<(GeometryMask, Scene)>,
-    /// What ids in hits stand for, where it is not what they say.
-    renamed: Vec<Renamed>,
+    parts: Arc<[(GeometryMask, Scene)]>,
+    /// The ids in hits that stand for other names outside.
+    renamed: Arc<[Renamed]>,
     mode: Mode,
     width: Width,
     native16: bool,
@@ -78,8 +86,8 @@ impl Embree {
     /// [`Unbounded`](super::Unbounded).
     ///
     /// # Errors
-    /// [`Error::Limit`] where the library is missing or unfit, memory runs out, or a shape reaches beyond
-    /// [`reach::MOST`] or all meshes within [`reach::LEAST`].
+    /// [`Unavailable`] where the library is missing or unfit, or a shape reaches beyond [`reach::MOST`] or all meshes
+    /// within [`reach::LEAST`]; a limit where memory runs out.
     pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
         let library = Library::open(options.library.as_deref())?;
         Self::build_with(geometry, options, library, library.masks)
@@ -87,9 +95,8 @@ impl Embree {
 
     /// As [`Embree::build`]; without `masks` each mask gets a scene of its own.
     fn build_with(geometry: &[Geometry], options: &Options, library: &'static Library, masks: bool) -> Result<Self> {
-        if let (Some(Lost { shape, why }), false) = (reach::lost(geometry), options.even_lost) {
-            let shape = shape + 1;
-            return Err(Error::Limit(format!("Embree: shape {shape} {why}; take --backend native")));
+        if !options.even_lost {
+            reach::check(geometry)?;
         }
         let counts = Counts::of(geometry);
         let bytes = (counts.triangles + counts.spheres).saturating_mul(BYTES_EACH);
@@ -109,13 +116,13 @@ impl Embree {
                 filling.fill(scene, geometry, kind, group)?;
             }
         }
-        let parts = scenes.into_iter().map(|(kind, scene)| Ok((kind, scene.commit()?))).collect::<Result<_>>()?;
+        let parts = scenes.into_iter().map(|(kind, scene)| Ok((kind, scene.commit()?))).collect::<Result<Arc<_>>>()?;
         let Filling { mut stats, renamed, copied, .. } = filling;
         stats.bytes = device.bytes().saturating_sub(copied);
         stats.time = start.elapsed();
         Ok(Self {
             parts,
-            renamed,
+            renamed: renamed.into(),
             mode: options.mode,
             width: options.width,
             native16: device.native16(),
@@ -124,10 +131,28 @@ impl Embree {
         })
     }
 
-    /// The library it runs on.
+    /// The same hierarchy, asked by calls of this width.
     #[must_use]
-    pub fn library(&self) -> &'static Library {
-        self.library
+    pub fn with_width(&self, width: Width) -> Self {
+        Self { width, ..self.clone() }
+    }
+
+    /// The library that traces.
+    #[must_use]
+    pub fn library(&self) -> Installed {
+        self.library.installed()
+    }
+}
+
+/// Loads the library and describes it.
+///
+/// # Errors
+/// [`Unavailable`], where it is missing or unfit.
+pub fn installed() -> std::result::Result<Installed, Unavailable> {
+    match Library::open(None) {
+        Ok(library) => Ok(library.installed()),
+        Err(Error::Unavailable(why)) => Err(why),
+        Err(other) => Err(Unavailable::Failed(other.to_string())),
     }
 }
 
@@ -229,10 +254,10 @@ impl Embree {
     fn closest8(&self, rays: &Ray8, hits: &mut Hit8, query: &QueryArguments, scratch: &mut Scratch) {
         let interval = Interval::of(rays, self.mode);
         if self.goes_singly(interval.live) {
-            for i in lanes(rays.active & !interval.live) {
+            for i in set_lanes(rays.active & !interval.live) {
                 hits.set_lane(i, &Hit::MISS);
             }
-            for i in lanes(interval.live) {
+            for i in set_lanes(interval.live) {
                 let one = &mut scratch.one;
                 one.load(i, rays, &interval);
                 for scene in self.parts(rays.admits) {
@@ -277,7 +302,7 @@ impl Embree {
         let interval = Interval::of(rays, self.mode);
         if self.goes_singly(interval.live) {
             let mut blocked = 0;
-            for i in lanes(interval.live) {
+            for i in set_lanes(interval.live) {
                 let one = &mut scratch.one;
                 one.load(i, rays, &interval);
                 for scene in self.parts(rays.admits) {
@@ -304,7 +329,7 @@ impl Embree {
 
     /// Puts the names outside in place of Embree's.
     fn rename(&self, active: u8, hits: &mut Hit8) {
-        for i in lanes(active) {
+        for i in set_lanes(active) {
             if let Some(renamed) = self.renamed.iter().find(|r| r.id == hits.geometry[i]) {
                 (hits.geometry[i], hits.primitive[i]) = renamed.names[hits.primitive[i] as usize];
             }
@@ -317,16 +342,6 @@ fn query(coherence: Coherence) -> QueryArguments {
     QueryArguments::new(match coherence {
         Coherence::Coherent => sys::QUERY_COHERENT,
         Coherence::Incoherent => sys::QUERY_INCOHERENT,
-    })
-}
-
-/// The lanes whose bit is set.
-#[inline(always)]
-fn lanes(mut bits: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (lane < 8).then_some(lane)
     })
 }
 

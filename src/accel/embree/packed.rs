@@ -3,10 +3,10 @@
 use super::packet::{self, Interval};
 use super::scene::Scene;
 use super::sys::{RtcRay1, RtcRay8, RtcRay16, RtcRayHit1, RtcRayHit8, RtcRayHit16, Valid};
-use super::{Embree, Width, lanes, query};
+use super::{Embree, Width, query};
 use crate::accel::Coherence;
 use crate::geometry::{Hit, Hit8, Ray8};
-use crate::simd::Mask8;
+use crate::simd::{Mask8, set_lanes};
 use bytemuck::Zeroable;
 
 /// A stretch of rays in Embree's layout, with room for its answers. Calls write over it: [`Embree::pack`] again before
@@ -57,7 +57,7 @@ impl Embree {
         match width {
             Width::One => {
                 let count = intervals().map(|(_, i)| i.live.count_ones() as usize).sum();
-                let each = intervals().flat_map(|(r, i)| lanes(i.live).map(move |lane| (r, i, lane)));
+                let each = intervals().flat_map(|(r, i)| set_lanes(i.live).map(move |lane| (r, i, lane)));
                 if any_hit {
                     let mut one = RtcRayHit1::zeroed();
                     for (to, (rays, interval, lane)) in room!(*calls, Occluded1, count).iter_mut().zip(each) {
@@ -148,12 +148,12 @@ impl Embree {
     pub fn unpack(&self, packed: &Packed, rays: &[Ray8], hits: &mut [Hit8]) {
         let mut place = 0;
         for (k, (rays, hits)) in rays.iter().zip(hits).enumerate() {
-            for lane in lanes(rays.active) {
+            for lane in set_lanes(rays.active) {
                 hits.set_lane(lane, &Hit::MISS);
             }
             match &packed.calls {
                 Calls::Closest1(calls) => {
-                    for lane in lanes(Interval::of(rays, self.mode).live) {
+                    for lane in set_lanes(Interval::of(rays, self.mode).live) {
                         hits.set_lane(lane, &calls[place].hit());
                         place += 1;
                     }
@@ -174,7 +174,7 @@ impl Embree {
             *blocked = match &packed.calls {
                 Calls::Occluded1(calls) => {
                     let mut bits = 0;
-                    for lane in lanes(live) {
+                    for lane in set_lanes(live) {
                         bits |= u8::from(calls[place].tfar[0] < 0.0) << lane;
                         place += 1;
                     }

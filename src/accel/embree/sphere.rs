@@ -9,7 +9,7 @@ use super::packet;
 use super::scene::{UserGeometry, UserRays};
 use crate::geometry::slab::SlabRay;
 use crate::geometry::{Aabb, COORDINATE_LIMIT, Sphere, sphere};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Spheres that share a geometry mask, each with its place in the list the accelerator was built from.
 pub struct SphereGroup {
@@ -72,10 +72,7 @@ impl UserGeometry for SphereGroup {
         let n = rays.n;
         for first in (0..n).step_by(8) {
             let (t, met) = self.meet(i, &rays, first);
-            let mut left = met.bits();
-            while left != 0 {
-                let lane = left.trailing_zeros() as usize;
-                left &= left - 1;
+            for lane in set_lanes(met.bits()) {
                 let mut set = |field: usize, x: f32| rays.fields[field * n + first + lane] = x;
                 set(TFAR, t.lane(lane));
                 set(U, 0.0);
@@ -90,7 +87,7 @@ impl UserGeometry for SphereGroup {
         let n = rays.n;
         for first in (0..n).step_by(8) {
             let (_, met) = self.meet(i, &rays, first);
-            for lane in (0..8).filter(|&lane| met.lane(lane)) {
+            for lane in set_lanes(met.bits()) {
                 rays.fields[TFAR * n + first + lane] = f32::NEG_INFINITY;
             }
         }

@@ -5,6 +5,8 @@
 //! writes more (built for several instance levels) is found out when a device is opened. Names are C's in Rust's
 //! spelling.
 
+#![allow(unsafe_code, reason = "the types and functions of the Embree library")]
+
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 /// What `geom_id` holds on a miss.

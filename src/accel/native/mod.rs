@@ -4,44 +4,26 @@
 //! ray the same bits, which are those of testing all primitives one after the other. See `geometry/slab.rs` and
 //! `geometry/triangle.rs` for why no box can lose a hit and no seam a ray.
 
-mod beam;
-mod bits;
-mod blockers;
-mod bvh2;
-mod bvh8;
-mod collapse;
-mod leaf;
-mod morton;
-mod one;
-mod rays;
-mod reinsert;
+pub(super) mod build;
+pub(super) mod node;
+mod ray;
 mod shaft;
-mod sphere8;
-mod split;
-mod stack;
-mod traverse_batch;
-mod traverse_single;
-mod traverse_stream;
-mod traverse_tile;
-mod tri8;
+mod traverse;
 mod validate;
-mod walk;
 
 use std::time::Instant;
 
 use rayon::prelude::*;
 
-use self::bvh2::PrimRef;
-use self::bvh8::{Bvh8, Node8};
-use self::sphere8::Sphere8;
-pub use self::stack::Scratch;
-pub use self::traverse_stream::Kernel;
-use self::traverse_stream::Trees;
-use self::tri8::Tri8;
-pub use self::walk::{Lanes, Walk};
+use self::build::collapse;
+use self::build::primitive::PrimRef;
+use self::node::bvh8::{Bvh8, Node8};
+use self::node::sphere8::Sphere8;
+use self::node::tri8::Tri8;
+use self::traverse::dispatch::Trees;
+pub use self::traverse::dispatch::{Kernel, Scratch};
 use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector};
 use crate::Result;
-pub use crate::geometry::triangle_test::TriangleModel;
 use crate::geometry::{Geometry, Hit8, Ray8, Shape, is_usable, slab, sphere};
 use crate::math::Vector3;
 use crate::simd::Mask8;
@@ -50,9 +32,9 @@ use crate::system::memory;
 /// The native accelerator. Holds its own copy of the triangles; planes are left to [`super::Unbounded`].
 #[derive(Clone, Debug)]
 pub struct Native {
-    triangles: Bvh8<Tri8>,
-    spheres: Bvh8<Sphere8>,
-    stats: BuildStats,
+    pub(super) triangles: Bvh8<Tri8>,
+    pub(super) spheres: Bvh8<Sphere8>,
+    pub(super) stats: BuildStats,
 }
 
 impl Native {
@@ -148,13 +130,19 @@ impl Native {
         Ok(Self { triangles, spheres, stats })
     }
 
-    /// The trees byte by byte, to tell whether two builds came out the same.
+    /// The trees byte by byte, for the test that they are the same for any number of threads.
+    #[doc(hidden)]
     #[must_use]
     pub fn tree_bytes(&self) -> Vec<u8> {
         let (t, s) = (&self.triangles, &self.spheres);
         let leaves = t.leaves.iter().flat_map(Tri8::words).chain(s.leaves.iter().flat_map(Sphere8::words));
         let nodes = t.nodes.iter().chain(&s.nodes).flat_map(Node8::words);
         nodes.chain(leaves).flat_map(u32::to_le_bytes).collect()
+    }
+
+    #[inline(always)]
+    fn trees(&self) -> Trees<'_> {
+        Trees { spheres: &self.spheres, triangles: &self.triangles }
     }
 
     /// [`Intersector::closest`] by a kernel of choice.
@@ -170,8 +158,7 @@ impl Native {
         scratch: &mut Scratch,
     ) {
         assert_eq!(rays.len(), hits.len());
-        let trees = Trees { spheres: &self.spheres, triangles: &self.triangles };
-        trees.closest(kernel, rays, hits, coherence, scratch);
+        self.trees().closest((kernel, coherence), rays, hits, scratch);
     }
 
     /// [`Intersector::occluded`] by a kernel of choice.
@@ -187,8 +174,7 @@ impl Native {
         scratch: &mut Scratch,
     ) {
         assert_eq!(rays.len(), blocked.len());
-        let trees = Trees { spheres: &self.spheres, triangles: &self.triangles };
-        trees.occluded(kernel, rays, blocked, coherence, scratch);
+        self.trees().occluded((kernel, coherence), rays, blocked, scratch);
     }
 }
 

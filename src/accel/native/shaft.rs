@@ -3,9 +3,9 @@
 use arrayvec::ArrayVec;
 
 use super::Native;
-use super::bvh8::{Bvh8, Child};
-use super::leaf::Leaf;
-use super::stack::STACK_SIZE;
+use super::node::bvh8::{Bvh8, NodeRef};
+use super::node::leaf::Leaf;
+use super::traverse::stack::STACK_SIZE;
 use crate::geometry::{Content, GeometryMask, Shaft};
 
 /// Nodes and leaves that are looked at before a shaft counts as mixed.
@@ -34,8 +34,8 @@ impl Native {
 }
 
 fn look<L>(tree: &Bvh8<L>, shaft: &Shaft, content: impl Fn(&L) -> Content) -> Content {
-    let mut stack = ArrayVec::<Child, STACK_SIZE>::new();
-    if tree.root != Child::NONE {
+    let mut stack = ArrayVec::<NodeRef, STACK_SIZE>::new();
+    if tree.root != NodeRef::NONE {
         stack.push(tree.root);
     }
     let mut found = Content::Empty;
@@ -57,10 +57,10 @@ fn look<L>(tree: &Bvh8<L>, shaft: &Shaft, content: impl Fn(&L) -> Content) -> Co
             continue;
         }
         let node = &tree.nodes[here.index()];
-        let met = shaft.boxes(&node.planes);
+        let met = shaft.boxes(&node.boxes);
         // The likeliest blockers are last, and come off first.
         for (slot, &child) in node.children.iter().enumerate() {
-            if met >> slot & 1 != 0 && child != Child::NONE {
+            if met >> slot & 1 != 0 && child != NodeRef::NONE {
                 stack.push(child);
             }
         }

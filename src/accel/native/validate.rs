@@ -1,10 +1,10 @@
 //! Whether a built hierarchy is what every traversal takes it for.
 
-use super::bvh2::MAX_DEPTH;
-use super::bvh8::{Bvh8, Child};
-use super::leaf::Leaf;
-use super::sphere8::Sphere8;
-use super::tri8::Tri8;
+use super::build::primitive::Bounds;
+use super::node::bvh8::{Bvh8, MAX_DEPTH, NodeRef};
+use super::node::leaf::Leaf;
+use super::node::sphere8::Sphere8;
+use super::node::tri8::Tri8;
 use super::{Native, triangle_ref};
 use crate::geometry::{Geometry, Shape, sphere};
 
@@ -19,7 +19,7 @@ trait Boxed: Leaf {
 
 impl Boxed for Tri8 {
     fn bounds(&self, i: usize) -> Box3 {
-        let bounds = super::bvh2::Bounds(triangle_ref(self.triangle(i), 0, 0).0);
+        let bounds = Bounds(triangle_ref(self.triangle(i), 0, 0).0);
         (bounds.lo(), bounds.hi())
     }
 }
@@ -70,7 +70,7 @@ impl Native {
 
 fn check<L: Boxed>(tree: &Bvh8<L>, expected: &[(u32, u32)]) -> Result<(), String> {
     let mut seen = Seen { node: vec![false; tree.nodes.len()], leaf: vec![false; tree.leaves.len()], depth: 0 };
-    if tree.root != Child::NONE {
+    if tree.root != NodeRef::NONE {
         let everywhere = ([f32::NEG_INFINITY; 3], [f32::INFINITY; 3]);
         visit(tree, tree.root, &everywhere, 0, &mut seen)?;
     }
@@ -97,7 +97,7 @@ struct Seen {
     depth: usize,
 }
 
-fn visit<L: Boxed>(tree: &Bvh8<L>, at: Child, room: &Box3, depth: usize, seen: &mut Seen) -> Result<(), String> {
+fn visit<L: Boxed>(tree: &Bvh8<L>, at: NodeRef, room: &Box3, depth: usize, seen: &mut Seen) -> Result<(), String> {
     let i = at.index();
     if at.is_leaf() {
         let leaf = tree.leaves.get(i).ok_or_else(|| format!("leaf {i} does not exist"))?;
@@ -118,15 +118,15 @@ fn visit<L: Boxed>(tree: &Bvh8<L>, at: Child, room: &Box3, depth: usize, seen: &
     if std::mem::replace(&mut seen.node[i], true) {
         return Err(format!("node {i} is reached twice"));
     }
-    let present = node.children.iter().take_while(|&&c| c != Child::NONE).count();
+    let present = node.children.iter().take_while(|&&c| c != NodeRef::NONE).count();
     if present < 2 {
         return Err(format!("node {i} has {present} children"));
     }
     for (k, &child) in node.children.iter().enumerate() {
-        let corner = |side: usize| [0, 1, 2].map(|axis| node.planes[axis][side].lane(k));
+        let corner = |side: usize| [0, 1, 2].map(|axis| node.boxes.planes[axis][side].lane(k));
         let (lo, hi) = (corner(0), corner(1));
         if k >= present {
-            if child != Child::NONE || lo != [f32::INFINITY; 3] || hi != [f32::NEG_INFINITY; 3] {
+            if child != NodeRef::NONE || lo != [f32::INFINITY; 3] || hi != [f32::NEG_INFINITY; 3] {
                 return Err(format!("absent child {k} of node {i} can be met"));
             }
             continue;

@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, value_parser};
 use glam::DVec3;
 
-use super::BackendArg;
+use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, levels};
+use crate::scene::MapKind;
 
 /// Write an environment map: all that is seen from a place in a scene.
 #[derive(Debug, Args)]
@@ -27,9 +29,8 @@ pub(in crate::cli) struct MapArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     pub at: DVec3,
 
-    /// Shape of the map
-    #[arg(long, value_enum)]
-    pub kind: MapKindArg,
+    #[arg(long, help = about::<MapKind>(), value_parser = levels::<MapKind>())]
+    pub kind: MapKind,
 
     /// Rows of the map; a cube has six times as many columns, a latlong map twice as many
     #[arg(long, value_name = "TEXELS", value_parser = value_parser!(u32).range(1..=16384), default_value_t = 256)]
@@ -45,7 +46,7 @@ pub(in crate::cli) struct MapArgs {
 
     /// What traces the rays [default: embree where built in, else native]
     #[arg(long, value_enum)]
-    pub backend: Option<BackendArg>,
+    pub backend: Option<Renderer>,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
@@ -54,16 +55,6 @@ pub(in crate::cli) struct MapArgs {
     /// No progress bar and no warnings
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum MapKindArg {
-    /// Six faces side by side
-    Cube,
-    /// A mirrored ball
-    Sphere,
-    /// By longitude and latitude
-    Latlong,
 }
 
 fn place(text: &str) -> Result<DVec3, String> {

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use super::super::args::{MapArgs, MapKindArg};
-use super::super::backend::Backend;
+use super::super::args::MapArgs;
+use super::super::backend::Renderer;
 use super::{format_of, refuse_input};
 use crate::image::{Destination, Format};
 use crate::scene::MapKind;
@@ -22,7 +22,7 @@ pub(in crate::cli) struct Map {
     pub output: Destination,
     pub format: Format,
     pub samples: Option<u32>,
-    pub backend: Backend,
+    pub backend: Renderer,
     /// True if the back end was asked for.
     pub chosen: bool,
     pub options: render::Options,
@@ -39,16 +39,12 @@ impl TryFrom<MapArgs> for Map {
         Ok(Self {
             scene: args.scene,
             at: args.at,
-            kind: match args.kind {
-                MapKindArg::Cube => MapKind::Cube,
-                MapKindArg::Sphere => MapKind::Sphere,
-                MapKindArg::Latlong => MapKind::LatLong,
-            },
+            kind: args.kind,
             size: args.size,
             output,
             format,
             samples: args.samples,
-            backend: Backend::choose(args.backend)?,
+            backend: Renderer::choose(args.backend)?,
             chosen: args.backend.is_some(),
             options: render::Options { threads: args.threads.unwrap_or(0) as usize, ..render::Options::default() },
             quiet: args.quiet,

@@ -2,20 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum as _;
-
-use super::choices::{no_hierarchy, oliveira, quality};
+use super::choices::{no_hierarchy, refraction};
 use super::{Overrides, effects, format_of, refuse_input};
-use crate::accel::BuildQuality;
-use crate::accel::native::TriangleModel;
-use crate::cli::args::{
-    BackendArg, BitsArg, FresnelArg, ProxyArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg,
-    TrianglesArg,
-};
-use crate::cli::backend::Backend;
+use crate::accel::walk::TriangleModel;
+use crate::accel::{Backend, BuildQuality};
+use crate::cli::args::RenderArgs;
+use crate::cli::backend::Renderer;
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
-use crate::simd::ReciprocalModel;
+use crate::optics::{FresnelModel, RefractionModel};
+use crate::render::Reflection;
+use crate::scene::ShadowRule;
 use crate::study::budget::Wish;
 use crate::study::{Axis, Spheres};
 use crate::systems::maps::Proxy;
@@ -33,7 +30,7 @@ pub(in crate::cli) struct Render {
     pub overrides: Overrides,
     /// What the scene's exact spheres are.
     pub spheres: Spheres,
-    pub backend: Backend,
+    pub backend: Renderer,
     pub bvh: BuildQuality,
     pub options: render::Options,
     /// What the free choices are made for, where that is asked.
@@ -64,9 +61,9 @@ impl TryFrom<RenderArgs> for Render {
 
     fn try_from(args: RenderArgs) -> Result<Self> {
         let effects = effects::effects(&args.effects)?;
-        let bent = args.refraction.is_some_and(|r| r != RefractionArg::Stable).then_some("--refraction");
+        let bent = args.refraction.is_some_and(|r| r != RefractionModel::Stable).then_some("--refraction");
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
-        let straight = matches!(args.shadows, Some(ShadowsArg::Straight)).then_some("--shadows straight");
+        let straight = matches!(args.shadows, Some(ShadowRule::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
         let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
@@ -96,52 +93,40 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Spheres, args.spheres.is_some()),
             (Axis::Cutoff, args.settings.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.settings.depth.is_some()),
-            (Axis::Backend, args.backend.is_some() || matches!(backend, Backend::Walk(..))),
+            (Axis::Backend, args.backend.is_some() || matches!(backend, Renderer::Walk(..))),
             (Axis::Triangles, args.triangles.is_some()),
             (Axis::Reciprocal, args.reciprocal.is_some()),
         ];
-        if args.bvh.is_some() && backend == Backend::Reference {
+        if args.bvh.is_some() && backend == Renderer::Reference {
             return Err(no_hierarchy("the f64 renderer has"));
         }
         let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
-        if wish.is_some() && backend == Backend::Reference {
+        if wish.is_some() && backend == Renderer::Reference {
             return Err(Error::Usage(String::from(
                 "--backend reference: f64 is exact already; leave --max-error or --time-budget out",
             )));
         }
         if let (Some(_), Some(left_out)) = (wish, effects.without.iter().next()) {
             return Err(Error::Usage(format!(
-                "--{}: a budget is for the whole of a scene's effects; leave it out, or --max-error and --time-budget",
-                left_out.flag()
+                "--no-{left_out}: a budget is for the whole of a scene's effects; leave it out, or --max-error and --time-budget"
             )));
         }
         Ok(Self {
             scene: args.scene,
             output,
             format,
-            bits: match args.bits {
-                None | Some(BitsArg::Eight) => Bits::Eight,
-                Some(BitsArg::Sixteen) => Bits::Sixteen,
-            },
+            bits: args.bits.unwrap_or_default(),
             exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
             overrides: Overrides::new(args.settings, args.shadows),
             spheres: args.spheres.unwrap_or(Spheres::Exact),
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
             backend,
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             options: render::Options {
-                fresnel: args.fresnel.unwrap_or(FresnelArg::Exact).into(),
-                refraction: args.refraction.unwrap_or(RefractionArg::Stable).into(),
-                oliveira: oliveira(args.refraction.unwrap_or(RefractionArg::Stable), args.oliveira)?,
-                reflection: match args.reflection {
-                    None | Some(ReflectionArg::Traced) => render::Reflection::Traced,
-                    Some(ReflectionArg::Environment) => render::Reflection::Environment,
-                    Some(ReflectionArg::None) => render::Reflection::None,
-                    Some(ReflectionArg::Planar) => render::Reflection::Planar,
-                    Some(ReflectionArg::CubeMap) => render::Reflection::CubeMap,
-                    Some(ReflectionArg::SphereMap) => render::Reflection::SphereMap,
-                },
+                fresnel: args.fresnel.unwrap_or_default(),
+                refraction: refraction(args.refraction, args.oliveira)?,
+                reflection: args.reflection.unwrap_or_default(),
                 proxy,
                 maps: None,
                 past: None,
@@ -151,7 +136,7 @@ impl TryFrom<RenderArgs> for Render {
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
-            strict: args.strict,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         })
@@ -164,11 +149,11 @@ impl TryFrom<RenderArgs> for Render {
 /// Usage, where they would have.
 fn refuse_carried(args: &RenderArgs) -> Result<()> {
     let flag = match (args.fresnel, args.cutoff_error) {
-        (Some(FresnelArg::Polarised), _) => "--fresnel polarised",
+        (Some(FresnelModel::Polarised), _) => "--fresnel polarised",
         (_, Some(_)) => "--cutoff-error",
         _ => return Ok(()),
     };
-    if matches!(args.reflection, Some(ReflectionArg::Planar)) {
+    if matches!(args.reflection, Some(Reflection::Planar)) {
         return Err(Error::Usage(format!(
             "{flag}: the rays of a mirrored camera do not carry what it needs; leave it or --reflection planar out"
         )));
@@ -181,14 +166,12 @@ fn refuse_carried(args: &RenderArgs) -> Result<()> {
 /// # Errors
 /// Usage, where none does.
 fn proxy(args: &RenderArgs) -> Result<Proxy> {
-    let maps = matches!(args.reflection, Some(ReflectionArg::CubeMap | ReflectionArg::SphereMap));
+    let maps = matches!(args.reflection, Some(Reflection::CubeMap | Reflection::SphereMap));
     match args.proxy {
         Some(_) if !maps => Err(Error::Usage(String::from(
             "--proxy: is for --reflection cube-map and sphere-map, which look surroundings up; give one of them, too",
         ))),
-        None | Some(ProxyArg::None) => Ok(Proxy::None),
-        Some(ProxyArg::Box) => Ok(Proxy::Box),
-        Some(ProxyArg::Sphere) => Ok(Proxy::Sphere),
+        proxy => Ok(proxy.unwrap_or_default()),
     }
 }
 
@@ -198,7 +181,7 @@ fn proxy(args: &RenderArgs) -> Result<Proxy> {
 /// Usage, where no camera is mirrored.
 fn mirror_levels(args: &RenderArgs) -> Result<u32> {
     match (args.mirror_levels, args.reflection) {
-        (Some(_), Some(ReflectionArg::Planar)) | (None, _) => Ok(args.mirror_levels.unwrap_or(u32::MAX)),
+        (Some(_), Some(Reflection::Planar)) | (None, _) => Ok(args.mirror_levels.unwrap_or(u32::MAX)),
         (Some(_), _) => Err(Error::Usage(String::from(
             "--mirror-levels: is for --reflection planar, which mirrors the camera; give both, or --depth alone",
         ))),
@@ -210,42 +193,20 @@ fn mirror_levels(args: &RenderArgs) -> Result<u32> {
 /// # Errors
 /// Usage, where a triangle test or a reciprocal is chosen for a back end that has its own; a limit, where this build has
 /// no Embree.
-fn backend(args: &RenderArgs) -> Result<Backend> {
+fn backend(args: &RenderArgs) -> Result<Renderer> {
     let flag = match (args.triangles, args.reciprocal) {
         (Some(_), _) => "--triangles",
         (None, Some(_)) => "--reciprocal",
-        (None, None) => return Backend::choose(args.backend),
+        (None, None) => return Renderer::choose(args.backend),
     };
-    if let Some(given @ (BackendArg::Reference | BackendArg::Embree | BackendArg::EmbreeFast)) = args.backend {
-        let name = given.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+    if let Some(given) = args.backend.filter(|given| *given != Renderer::Packets(Backend::Native)) {
         return Err(Error::Usage(format!(
-            "{flag}: is a choice of the native hierarchy, --backend {name} has its own; leave one of them out"
+            "{flag}: is a choice of the native hierarchy, --backend {} has its own; leave one of them out",
+            given.name()
         )));
     }
-    let triangles = args.triangles.map_or(TriangleModel::Watertight, Into::into);
-    Ok(Backend::Walk(triangles, args.reciprocal.map_or(ReciprocalModel::Exact, Into::into)))
-}
-
-impl From<TrianglesArg> for TriangleModel {
-    fn from(arg: TrianglesArg) -> Self {
-        match arg {
-            TrianglesArg::PlaneArea => Self::PlaneArea,
-            TrianglesArg::MollerTrumbore => Self::MollerTrumbore,
-            TrianglesArg::Pluecker => Self::Pluecker,
-            TrianglesArg::Watertight => Self::Watertight,
-            TrianglesArg::Certified => Self::Certified,
-        }
-    }
-}
-
-impl From<ReciprocalArg> for ReciprocalModel {
-    fn from(arg: ReciprocalArg) -> Self {
-        match arg {
-            ReciprocalArg::Exact => Self::Exact,
-            ReciprocalArg::Newton => Self::Newton,
-            ReciprocalArg::Estimate => Self::Estimate,
-        }
-    }
+    let triangles = args.triangles.unwrap_or(TriangleModel::Watertight);
+    Ok(Renderer::Walk(triangles, args.reciprocal.unwrap_or_default()))
 }
 
 /// The scene's name with `.png`, in the current folder.

@@ -1,4 +1,4 @@
-//! `[camera]` and `[render]`.
+//! Reader of `[camera]` and `[render]`.
 
 use glam::{DVec3, Vec3};
 
@@ -8,19 +8,11 @@ use crate::load::LoadOptions;
 use crate::load::assembly::Assembly;
 use crate::load::origin::Frame;
 use crate::optics::FEWEST_BANDS;
+use crate::scene::ranges::{LEAST_SINE_OF_UP, LIGHT_SAMPLES, MOST_DEPTH, MOST_WAVELENGTHS, SAMPLES};
 use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
 
-/// Most points on a lamp: beyond them nobody sees a difference.
-const MOST_LIGHT_SAMPLES: u32 = 4096;
-
-/// Most wavelengths of a render: beyond them nobody sees a difference.
-const MOST_WAVELENGTHS: u32 = 64;
-
-/// How near to parallel `up` and the view may be: the sine of the angle between them.
-const LEAST_SINE: f64 = 1e-4;
-
-/// Eye and target in world coordinates.
+/// Returns eye and target in world coordinates.
 pub(super) fn line_of_sight(table: Option<&Table<'_>>) -> Result<[DVec3; 2]> {
     let default = Camera::default();
     let (eye, target) = (default.eye.as_dvec3(), default.target.as_dvec3());
@@ -28,7 +20,7 @@ pub(super) fn line_of_sight(table: Option<&Table<'_>>) -> Result<[DVec3; 2]> {
     Ok([table.or("eye", eye, Value::place)?, table.or("target", target, Value::place)?])
 }
 
-/// Reads `[camera]`; places become those of `frame`.
+/// Reads `[camera]` and converts positions to `frame`.
 pub(super) fn camera(
     table: Option<&Table<'_>>,
     frame: Frame,
@@ -54,12 +46,12 @@ pub(super) fn camera(
 
     let view = target.as_dvec3() - eye.as_dvec3();
     if view.length() <= f64::from(f32::EPSILON) * f64::from(eye.abs().max_element()) {
-        let message = format!("the camera's eye and target are the same point, {}", sight[0]);
+        let message = format!("the camera's eye and target are the same point, {}; move one of them", sight[0]);
         return Err(table.get("target").map_or_else(|| table.error(&message), |v| v.error(&message)));
     }
     let view = view.normalize();
     let mut camera = Camera { eye, target, up, projection, medium };
-    if view.cross(up.as_dvec3()).length() < LEAST_SINE {
+    if view.cross(up.as_dvec3()).length() < LEAST_SINE_OF_UP {
         camera.up = across(view);
         let span = table.get("up").or_else(|| table.get("target")).map_or(table.span.clone(), |v| v.span());
         let kind = format!(
@@ -72,8 +64,8 @@ pub(super) fn camera(
     Ok(camera)
 }
 
-/// The up direction for a view along the `up` that was asked for: +y, or, if the view is within 45 degrees of the y axis,
-/// -z, so that a map seen from above has x to the right.
+/// Returns a default up direction for a view that is parallel to the given `up`. It is +y, or -z if the view is within
+/// 45 degrees of the y axis, so that a map seen from above has x to the right.
 fn across(view: DVec3) -> Vec3 {
     if view.y.abs() > std::f64::consts::FRAC_1_SQRT_2 { Vec3::NEG_Z } else { Vec3::Y }
 }
@@ -84,8 +76,8 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
     let settings = Settings {
         width: table.or("width", default.width, |v| v.whole(1..=u32::MAX))?,
         height: table.or("height", default.height, |v| v.whole(1..=u32::MAX))?,
-        samples: table.or("samples", default.samples, |v| v.whole(1..=256))?,
-        max_depth: table.or("depth", default.max_depth, |v| v.whole(0..=10_000))?,
+        samples: table.or("samples", default.samples, |v| v.whole(SAMPLES))?,
+        max_depth: table.or("depth", default.max_depth, |v| v.whole(0..=MOST_DEPTH))?,
         cutoff: table
             .or("cutoff", f64::from(default.cutoff), |v| v.number_where("from 0 to 1", |x| (0.0..=1.0).contains(&x)))?
             as f32,
@@ -107,7 +99,7 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
 fn lamps(table: &Table<'_>, default: LampSampling) -> Result<LampSampling> {
     let count = table.get("light_samples");
     let lamps = LampSampling {
-        count: count.as_ref().map_or(Ok(default.count), |v| v.whole(1..=MOST_LIGHT_SAMPLES))?,
+        count: count.as_ref().map_or(Ok(default.count), |v| v.whole(LIGHT_SAMPLES))?,
         pattern: table.or("light_pattern", default.pattern, |v| {
             v.choice(&[("sobol", Pattern::Sobol), ("grid", Pattern::Grid)])
         })?,
@@ -117,7 +109,7 @@ fn lamps(table: &Table<'_>, default: LampSampling) -> Result<LampSampling> {
     let side = lamps.count.isqrt();
     if lamps.pattern == Pattern::Grid && side * side != lamps.count {
         let message = format!(
-            "a grid of {} `light_samples` is no square; take {} or {}",
+            "{} `light_samples` do not form a square grid; take {} or {}",
             lamps.count,
             side * side,
             (side + 1) * (side + 1)

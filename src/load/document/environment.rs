@@ -1,4 +1,4 @@
-//! `[environment]`.
+//! Reader of `[environment]`.
 
 use super::Reader;
 use super::table::{Table, Value};

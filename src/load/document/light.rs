@@ -1,4 +1,4 @@
-//! `[[light]]`.
+//! Reader of `[[light]]`.
 
 use glam::DVec3;
 
@@ -6,6 +6,7 @@ use super::table::{Table, Value};
 use crate::Result;
 use crate::load::origin::Frame;
 use crate::load::transform::sin_cos_degrees;
+use crate::scene::ranges::LEAST_SINE_OF_EDGES;
 use crate::scene::{Falloff, Light, LightKind, Spread};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -17,7 +18,7 @@ enum Kind {
     Rectangle,
 }
 
-/// Reads the `i`th light; places become those of `frame`.
+/// Reads the `i`th light and converts positions to `frame`.
 pub(super) fn light(table: &Table<'_>, i: usize, frame: Frame) -> Result<Light> {
     let name = table.opt("name", |v| v.text().map(str::to_owned))?.unwrap_or_else(|| format!("light {}", i + 1));
     let kinds = [
@@ -38,9 +39,9 @@ pub(super) fn light(table: &Table<'_>, i: usize, frame: Frame) -> Result<Light> 
             };
             let (inner, outer) = (half("inner", 20.0)?, half("outer", 30.0)?);
             if inner > outer {
-                return Err(
-                    table.error(format!("the spot's inner half angle, {inner}, exceeds its outer one, {outer}"))
-                );
+                return Err(table.error(format!(
+                    "the spot's inner half angle, {inner}, exceeds its outer one, {outer}; exchange them"
+                )));
             }
             let cos = |degrees: f64| sin_cos_degrees(degrees).1 as f32;
             LightKind::Spot { position: position.as_vec3(), direction, cos_inner: cos(inner), cos_outer: cos(outer) }
@@ -66,13 +67,10 @@ pub(super) fn light(table: &Table<'_>, i: usize, frame: Frame) -> Result<Light> 
     Ok(light)
 }
 
-/// How near to parallel the edges of a rectangle may be: the sine of the angle between them.
-const LEAST_SINE: f64 = 1e-3;
-
-/// How near to its own plane a rectangle may be told to shine: the sine of the angle between them.
+/// Smallest sine of the angle between a rectangle's plane and the direction in which it shines.
 const LEAST_LIFT: f64 = 1e-3;
 
-/// A rectangle: its middle and its two edges, and, where the order of these does not say it, the side that shines.
+/// Reads a rectangle: its middle, its two edges, and the emitting side if the order of the edges does not define it.
 fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKind> {
     let given = table.need("edges")?;
     let list = given.list()?;
@@ -81,10 +79,13 @@ fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKi
     };
     let mut edges = [first.place()?, second.place()?];
     let normal = edges[0].cross(edges[1]);
-    let fits = normal.length() > LEAST_SINE * edges[0].length() * edges[1].length();
+    let fits = normal.length() > LEAST_SINE_OF_EDGES * edges[0].length() * edges[1].length();
     let has_area_in_f32 = normal.as_vec3().length_squared() > 0.0;
     if !fits || !has_area_in_f32 {
-        let message = format!("the rectangle's edges, {} and {}, are parallel: it has no area", edges[0], edges[1]);
+        let message = format!(
+            "the rectangle's edges, {} and {}, are parallel, so it has no area; turn one of them",
+            edges[0], edges[1]
+        );
         return Err(given.error(message));
     }
     let spread =
@@ -92,7 +93,7 @@ fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKi
     if let Some(aim) = table.get("direction").or_else(|| table.get("target")) {
         let lift = direction(table, position, frame)?.dot(normal.normalize());
         if lift.abs() < LEAST_LIFT {
-            return Err(aim.error("the rectangle is told to shine along its own plane; turn its edges"));
+            return Err(aim.error("the direction of the rectangle's light lies in its own plane; turn its edges"));
         }
         if lift < 0.0 {
             edges.swap(0, 1);
@@ -102,19 +103,20 @@ fn rectangle(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<LightKi
     Ok(LightKind::Rectangle { corner: corner.as_vec3(), edges: edges.map(|e| e.as_vec3()), spread })
 }
 
-/// The direction of the light: `direction`, or from `position`, a place in `frame`, towards `target`.
+/// Reads the direction of a light: `direction`, or from `position`, in `frame`, towards `target`.
 fn direction(table: &Table<'_>, position: DVec3, frame: Frame) -> Result<DVec3> {
     let (given, target) = (table.get("direction"), table.get("target"));
     match (given, target) {
         (Some(v), None) => v.direction(),
         (None, Some(v)) => {
-            // A directional light may say where it seems to come from.
+            // A directional light may have a position, from which it points to the target.
             let from = table.opt("position", Value::place)?.map_or(position, |p| frame.local(p));
             let way = frame.shifted(v.triple()?) - from;
-            way.try_normalize()
-                .ok_or_else(|| v.error(format!("the light's target is its position, {}", frame.world(from))))
+            way.try_normalize().ok_or_else(|| {
+                v.error(format!("the light's target is its position, {}; move one of them", frame.world(from)))
+            })
         }
-        (Some(_), Some(v)) => Err(v.error("a light has either a direction or a target, not both")),
-        (None, None) => Err(table.error("the light needs a direction or a target")),
+        (Some(_), Some(v)) => Err(v.error("a light has either a `direction` or a `target`, not both")),
+        (None, None) => Err(table.error("the light needs a `direction` or a `target`; give one of them")),
     }
 }

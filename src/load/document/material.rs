@@ -1,4 +1,4 @@
-//! `[[material]]`.
+//! Reader of `[[material]]`.
 
 use glam::DVec3;
 
@@ -117,14 +117,16 @@ fn conductor(table: &Table<'_>) -> Result<Interface> {
     }
 }
 
-/// `absorption`, or what leaves `color` after `distance`.
+/// Reads the absorption: `absorption`, or the `color` left after `distance`.
 fn absorption(table: &Table<'_>) -> Result<Rgb> {
     let distance = table.get("distance");
     match (table.get("absorption"), table.get("color")) {
         (Some(_), Some(v)) => Err(v.error("give either `absorption` or `color` at a `distance`, not both")),
         (absorption, None) => {
             if let Some(v) = distance {
-                return Err(v.error("`distance` says after how far `color` is left; there is no `color`"));
+                return Err(
+                    v.error("`distance` needs a `color`, which is left after it; give one, or leave `distance` out")
+                );
             }
             absorption.map_or(Ok(Rgb::ZERO), |v| v.colour())
         }
@@ -135,7 +137,7 @@ fn absorption(table: &Table<'_>) -> Result<Rgb> {
     }
 }
 
-/// The diffuse colour: `color`, `texture` or `checker`.
+/// Reads the diffuse colour: `color`, `texture` or `checker`.
 fn base<'d>(reader: &Reader<'d>, table: &Table<'d>, default: Rgb, assembly: &mut Assembly<'_>) -> Result<Colour> {
     let (color, texture, checker) = (table.get("color"), table.get("texture"), table.get("checker"));
     if let (Some(_), Some(v)) = (&texture, &checker) {
@@ -174,7 +176,7 @@ fn highlight(table: &Table<'_>) -> Result<Highlight> {
     Ok(highlight)
 }
 
-/// Warns of a mirror that gives back more light than it gets.
+/// Warns about a mirror that reflects more light than it receives.
 fn warn_of_gain(
     reader: &Reader<'_>,
     table: &Table<'_>,

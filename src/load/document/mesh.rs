@@ -1,4 +1,4 @@
-//! `[[mesh]]`.
+//! Reader of `[[mesh]]`.
 
 use glam::{DMat4, DVec3};
 
@@ -14,14 +14,14 @@ use crate::scene::Origin;
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// The finest tessellation: beyond it a shape has more triangles than a scene may.
+/// Finest tessellation; a finer shape would have more triangles than a scene may.
 const FINEST: u32 = 16_384;
-/// The most bytes that a shape's triangle takes: indices of corners, normals and texture coordinates, and up to one of
-/// each, in lists that grow by doubling.
+/// Peak bytes per triangle of a shape: indices of corners, normals and texture coordinates, and up to one of each, in
+/// lists that grow by doubling.
 const BYTES_A_TRIANGLE: u64 = 2 * (3 * 12 + 12 + 12 + 8);
-/// Waves of one height field; each costs its sine at every corner.
+/// Largest number of waves of a height field; each costs one sine per corner.
 const MOST_WAVES: usize = 256;
-/// Bend up to which a lathe's profile is shaded smoothly, in degrees, where nothing else is said.
+/// Default angle in degrees below which a lathe's profile is shaded smoothly.
 const LATHE_CREASE: f64 = 50.0;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -115,7 +115,7 @@ pub(super) fn mesh<'d>(
     }
 }
 
-/// `{ scale, rotate, translate }` or `{ matrix }`.
+/// Reads `{ scale, rotate, translate }` or `{ matrix }`.
 fn transform(value: &Value<'_>, name: Option<&str>, i: usize) -> Result<Transform> {
     let table = value.table("transform")?;
     let made = if let Some(matrix) = table.get("matrix") {
@@ -132,7 +132,7 @@ fn transform(value: &Value<'_>, name: Option<&str>, i: usize) -> Result<Transfor
     made.map_err(|e| value.error(format!("the transform of {name} {e}")))
 }
 
-/// A shape before its transform.
+/// Shape before its transform.
 enum Unplaced {
     Mesh(MeshDraft),
     Ball(Ball),

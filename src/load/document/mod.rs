@@ -1,4 +1,4 @@
-//! Scene files.
+//! Reader of scene files.
 
 mod camera;
 mod environment;
@@ -48,12 +48,12 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     }
     let lights = top.list("light")?;
     if lights.len() > options.limits.objects {
-        return Err(Error::Limit(format!("the scene has more than {} lights", options.limits.objects)));
+        return Err(Error::Limit(format!("the scene has more than {} lights; leave some out", options.limits.objects)));
     }
     for (i, table) in top.list("mesh")?.iter().enumerate() {
         mesh::mesh(&reader, table, i, &names, &mut assembly)?;
     }
-    // What has a place waits for the origin of places.
+    // Parts with positions wait until the origin is known.
     let frame = assembly.settle(Some(camera::line_of_sight(camera.as_ref())?))?;
     for (i, table) in lights.iter().enumerate() {
         assembly.scene.lights.push(light::light(table, i, frame)?);
@@ -72,13 +72,13 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     Ok(assembly.finish())
 }
 
-/// What reading the parts of one scene file needs.
+/// State for reading the parts of one scene file.
 struct Reader<'d> {
     source: &'d Source<'d>,
 }
 
 impl<'d> Reader<'d> {
-    /// The path of the file that a value names.
+    /// Resolves a file name given as a value.
     fn path(&self, value: &Value<'d>, assembly: &Assembly<'_>) -> Result<std::path::PathBuf> {
         assembly.root.resolve(folder_of(self.source.file), value.text()?).map_err(|e| value.error(e))
     }
@@ -89,10 +89,12 @@ impl<'d> Reader<'d> {
             let value = table.need("name")?;
             let name = value.text()?;
             if name.is_empty() {
-                return Err(value.error("a material's name must not be empty"));
+                return Err(value.error("a material's name must not be empty; give it a name"));
             }
             if names.0.contains_key(name) {
-                return Err(value.error(format!("there is a material called `{name}` already")));
+                return Err(
+                    value.error(format!("there is a material called `{name}` already; give this one another name"))
+                );
             }
             let material = material::material(self, &table, name, assembly)?;
             let line = self.source.line(table.span.start) as u32;
@@ -103,22 +105,22 @@ impl<'d> Reader<'d> {
     }
 }
 
-/// Materials of the scene file by name.
+/// Materials of the scene file, by name.
 #[derive(Default)]
 struct Names(HashMap<String, Entry>);
 
-/// A material of the scene file.
+/// Material of the scene file.
 struct Entry {
-    /// Place in `Scene::materials`.
+    /// Index into `Scene::materials`.
     place: u32,
     /// Line of its table.
     line: u32,
-    /// True once a mesh or the camera has named it.
+    /// True once a mesh or the camera uses it.
     used: Cell<bool>,
 }
 
 impl Names {
-    /// The place of the material that a value names.
+    /// Returns the index of the material that a value names.
     fn material(&self, value: &Value<'_>) -> Result<u32> {
         let name = value.text()?;
         let entry = self.0.get(name).inspect(|entry| entry.used.set(true));
@@ -130,18 +132,21 @@ impl Names {
         })
     }
 
-    /// Notes the materials that nothing has named, in the order of the file.
+    /// Reports the unused materials, in the order of the file.
     fn report_unused(self, assembly: &mut Assembly<'_>) {
         let mut unused: Vec<_> = self.0.into_iter().filter(|(_, entry)| !entry.used.get()).collect();
         unused.sort_unstable_by_key(|(_, entry)| entry.place);
         unused.into_iter().for_each(|(name, entry)| assembly.reporter.unused_material(name, entry.line));
     }
 
-    /// The place of the medium that the named dielectric encloses.
+    /// Returns the index of the medium inside the dielectric that a value names.
     fn medium(&self, value: &Value<'_>, assembly: &Assembly<'_>) -> Result<u32> {
         match assembly.scene.materials[self.material(value)? as usize].interface {
             Interface::Dielectric { medium, .. } => Ok(medium),
-            _ => Err(value.error(format!("`{}` is no dielectric: the eye can be inside none but such", value.text()?))),
+            _ => Err(value.error(format!(
+                "`{}` is no dielectric, so the eye cannot be inside it; name a material of `type = \"dielectric\"`",
+                value.text()?
+            ))),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The index of a material, and how it depends on the wavelength.
+//! Reader of a material's refractive index and dispersion.
 
 use super::table::{Table, Value};
 use crate::Result;
@@ -6,7 +6,7 @@ use crate::load::catalogue;
 use crate::optics::{LINE_D, VISIBLE, cauchy_from_abbe};
 use crate::scene::Dispersion;
 
-/// `ior`, or that of the named `glass`.
+/// Reads `ior`, or the index of the named `glass`.
 pub(super) fn ior(table: &Table<'_>, default: Option<f64>) -> Result<f64> {
     match (table.get("ior"), table.get("glass")) {
         (Some(v), None) => v.ior(),
@@ -18,8 +18,8 @@ pub(super) fn ior(table: &Table<'_>, default: Option<f64>) -> Result<f64> {
     }
 }
 
-/// The index at the line d and the curve of a dielectric: `ior` or `glass`, with `abbe`, or `cauchy`, or `sellmeier`.
-/// The curve of a named glass counts where `dispersion = true` asks for it.
+/// Reads a dielectric's index at the line d and its curve, from `ior` or `glass` with `abbe`, `cauchy` or `sellmeier`.
+/// The curve of a named glass is used if `dispersion = true`.
 pub(super) fn index(table: &Table<'_>) -> Result<(f64, Dispersion)> {
     let wanted = table.opt("dispersion", Value::boolean)?;
     let abbe = table.get("abbe");
@@ -50,9 +50,9 @@ pub(super) fn index(table: &Table<'_>) -> Result<(f64, Dispersion)> {
                     let known = catalogue::transparent(v.text()?).map_err(|e| v.error(e))?;
                     let Some(n_d) = known.dispersion.index_at(LINE_D) else {
                         let name = known.names[0];
-                        return Err(
-                            v.error(format!("no dispersion is known of `{name}`; give its Abbe number as `abbe`"))
-                        );
+                        return Err(v.error(format!(
+                            "the dispersion of `{name}` is not known; give its Abbe number as `abbe`"
+                        )));
                     };
                     (Some(v), n_d, known.dispersion)
                 }
@@ -62,9 +62,9 @@ pub(super) fn index(table: &Table<'_>) -> Result<(f64, Dispersion)> {
     };
     let Some(value) = at else {
         if let (Some(true), Some(v)) = (wanted, table.get("dispersion")) {
-            return Err(
-                v.error("`ior` alone says nothing of dispersion; give `abbe`, `cauchy` or `sellmeier`, or a `glass`")
-            );
+            return Err(v.error(
+                "`ior` alone does not define the dispersion; give `abbe`, `cauchy` or `sellmeier`, or a `glass`",
+            ));
         }
         return Ok((n_d, Dispersion::None));
     };
@@ -97,8 +97,8 @@ fn sellmeier_terms(v: &Value<'_>) -> Result<Dispersion> {
     Ok(Dispersion::Sellmeier(terms))
 }
 
-/// Refuses a curve that leaves the range of indices, or rises with the wavelength, anywhere light is seen: that is where
-/// a substance absorbs, and its index alone does not say what it looks like.
+/// Refuses a curve that leaves the range of indices, or rises with the wavelength, anywhere in the visible range. A
+/// substance absorbs where its index rises, so its index alone does not determine its look.
 fn check(v: &Value<'_>, curve: &Dispersion) -> Result<()> {
     let mut last = f64::INFINITY;
     for nm in VISIBLE[0] as u32..=VISIBLE[1] as u32 {

@@ -1,7 +1,8 @@
-//! A TOML document read key by key: every value knows its place, every key that nobody asked for is an error.
+//! Access to a TOML document key by key. Every value has its position in the file, and every key that was never read is
+//! an error.
 //!
-//! Kept by hand on `toml`'s own tree rather than derived: which keys a material or a mesh may have depends on its
-//! `type`, and `serde` loses the place of values inside tagged enums, which is what messages are about.
+//! Written by hand on `toml`'s tree instead of derived with `serde`, for two reasons. The allowed keys of a material or
+//! a mesh depend on its `type`. `serde` loses the positions of values inside tagged enums, which messages need.
 
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -17,14 +18,14 @@ use crate::load::suggest::hint;
 use crate::load::transform::within_limit;
 use crate::{Error, Result};
 
-/// A place in the text, in bytes.
+/// Range of the text, in bytes.
 pub(super) type Span = Range<usize>;
 
-/// A scene file: its name and text, for messages.
+/// Name and text of a scene file, for messages.
 pub(super) struct Source<'d> {
     pub(super) file: &'d Path,
     text: &'d str,
-    /// Where each line starts, in bytes.
+    /// Start of each line, in bytes.
     starts: Vec<usize>,
 }
 
@@ -34,12 +35,12 @@ impl<'d> Source<'d> {
         Self { file, text, starts }
     }
 
-    /// The line of a byte, from 1.
+    /// Returns the line of a byte, from 1.
     pub(super) fn line(&self, byte: usize) -> usize {
         self.starts.partition_point(|&s| s <= byte).max(1)
     }
 
-    /// Wrong input at a place.
+    /// Creates an error for wrong input at a position.
     pub(super) fn error(&self, span: &Span, message: impl Into<String>) -> Error {
         let line = self.line(span.start);
         let before = self.text.get(self.starts[line - 1]..span.start);
@@ -48,14 +49,14 @@ impl<'d> Source<'d> {
     }
 }
 
-/// A table of the document.
+/// Table of the document.
 pub(super) struct Table<'d> {
     pub(super) source: &'d Source<'d>,
-    /// What messages call it: `[camera]`.
+    /// Name in messages, such as `[camera]`.
     pub(super) what: String,
     pub(super) span: Span,
     entries: &'d DeTable<'d>,
-    /// Keys asked for so far: all that may be there.
+    /// Keys read so far; all others are errors.
     asked: RefCell<Vec<&'static str>>,
 }
 
@@ -64,34 +65,34 @@ impl<'d> Table<'d> {
         Self { source, what: what.into(), span, entries: table, asked: RefCell::default() }
     }
 
-    /// The value of a key, if it is there.
+    /// Returns the value of a key, if present.
     pub(super) fn get(&self, key: &'static str) -> Option<Value<'d>> {
         self.asked.borrow_mut().push(key);
         let (name, value) = self.entries.iter().find(|(k, _)| k.get_ref() == key)?;
         Some(Value { source: self.source, key: name.get_ref().to_string(), value })
     }
 
-    /// The value of a key that must be there.
+    /// Returns the value of a key that must be present.
     pub(super) fn need(&self, key: &'static str) -> Result<Value<'d>> {
         self.get(key).ok_or_else(|| self.error(format!("{} needs `{key}`", self.what)))
     }
 
-    /// What `read` makes of a key's value, if it is there.
+    /// Reads the value of a key with `read`, if present.
     pub(super) fn opt<T>(&self, key: &'static str, read: impl FnOnce(&Value<'d>) -> Result<T>) -> Result<Option<T>> {
         self.get(key).map(|v| read(&v)).transpose()
     }
 
-    /// What `read` makes of a key's value, or `default`.
+    /// Reads the value of a key with `read`, or returns `default`.
     pub(super) fn or<T>(&self, key: &'static str, default: T, read: impl FnOnce(&Value<'d>) -> Result<T>) -> Result<T> {
         Ok(self.opt(key, read)?.unwrap_or(default))
     }
 
-    /// Wrong input at the table as a whole.
+    /// Creates an error for the table as a whole.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         self.source.error(&self.span, message)
     }
 
-    /// An error for the first key that nobody asked for.
+    /// Returns an error for the first key that was never read.
     pub(super) fn finish(&self) -> Result<()> {
         let asked = self.asked.borrow();
         let unknown =
@@ -106,7 +107,7 @@ impl<'d> Table<'d> {
         }
     }
 
-    /// The tables of a list of them (`[[light]]`), each called by the list's name.
+    /// Returns the tables of a list of tables (`[[light]]`), each with the list's name.
     pub(super) fn list(&self, key: &'static str) -> Result<Vec<Table<'d>>> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         let DeValue::Array(items) = value.value.get_ref() else {
@@ -125,13 +126,13 @@ impl<'d> Table<'d> {
             .collect()
     }
 
-    /// A table of its own (`[camera]`), if it is there.
+    /// Returns a sub-table (`[camera]`), if present.
     pub(super) fn table(&self, key: &'static str) -> Result<Option<Table<'d>>> {
         self.opt(key, |v| v.table(format!("[{key}]")))
     }
 }
 
-/// A value of the document.
+/// Value of the document.
 pub(super) struct Value<'d> {
     source: &'d Source<'d>,
     key: String,
@@ -139,7 +140,7 @@ pub(super) struct Value<'d> {
 }
 
 impl<'d> Value<'d> {
-    /// The key it stands at.
+    /// Returns the key of the value.
     pub(super) fn key(&self) -> &str {
         &self.key
     }
@@ -148,12 +149,12 @@ impl<'d> Value<'d> {
         self.value.span()
     }
 
-    /// Wrong input at this value.
+    /// Creates an error for this value.
     pub(super) fn error(&self, message: impl Into<String>) -> Error {
         self.source.error(&self.value.span(), message)
     }
 
-    /// `key = value` and what it must be.
+    /// Creates the error "`key` is `value`; it must be `what`".
     fn must(&self, value: impl Display, what: impl Display) -> Error {
         self.error(format!("`{}` is {value}; it must be {what}", self.key))
     }
@@ -162,12 +163,12 @@ impl<'d> Value<'d> {
         self.must(article(self.value.get_ref().type_str()), what)
     }
 
-    /// A value inside this one.
+    /// Returns a value inside this one.
     fn inner(&self, value: &'d Spanned<DeValue<'d>>) -> Self {
         Self { source: self.source, key: self.key.clone(), value }
     }
 
-    /// A finite number.
+    /// Reads a finite number.
     pub(super) fn number(&self) -> Result<f64> {
         let number = match self.value.get_ref() {
             DeValue::Integer(i) => i128::from_str_radix(i.as_str(), i.radix()).ok().map(|i| i as f64),
@@ -175,35 +176,35 @@ impl<'d> Value<'d> {
             _ => return Err(self.wrong_type("a number")),
         };
         match number {
-            // Everything ends as f32 sooner or later.
+            // All numbers are converted to f32 eventually.
             Some(x) if x.abs() <= f64::from(f32::MAX) => Ok(x),
             Some(x) => Err(self.must(x, "a finite number")),
-            None => Err(self.error(format!("`{}` is out of the range of numbers", self.key))),
+            None => Err(self.error(format!("`{}` is out of the range of numbers; give a smaller one", self.key))),
         }
     }
 
-    /// A number that `fits`.
+    /// Reads a number for which `fits` is true.
     pub(super) fn number_where(&self, what: &str, fits: impl FnOnce(f64) -> bool) -> Result<f64> {
         let x = self.number()?;
         if fits(x) { Ok(x) } else { Err(self.must(x, what)) }
     }
 
-    /// A number above 0 that stays above 0 as `f32`.
+    /// Reads a number above 0 that stays above 0 as `f32`.
     pub(super) fn positive(&self) -> Result<f64> {
         self.number_where("above 0", |x| x as f32 > 0.0)
     }
 
-    /// A number of at least 0.
+    /// Reads a number of at least 0.
     pub(super) fn not_negative(&self) -> Result<f64> {
         self.number_where("at least 0", |x| x >= 0.0)
     }
 
-    /// A refractive index.
+    /// Reads a refractive index.
     pub(super) fn ior(&self) -> Result<f64> {
         self.number_where("between 0.001 and 1000", |x| (1e-3..=1e3).contains(&x))
     }
 
-    /// A whole number in a range.
+    /// Reads a whole number in a range.
     pub(super) fn whole(&self, range: std::ops::RangeInclusive<u32>) -> Result<u32> {
         let (lo, hi) = range.into_inner();
         let what = format!("a whole number from {lo} to {hi}");
@@ -219,10 +220,10 @@ impl<'d> Value<'d> {
         }
     }
 
-    /// A whole number with a sign.
+    /// Reads a signed whole number.
     pub(super) fn signed(&self) -> Result<i32> {
         let DeValue::Integer(i) = self.value.get_ref() else { return Err(self.wrong_type("a whole number")) };
-        // The lowest one is air's.
+        // The lowest priority is air's.
         let range = i32::MIN + 1..=i32::MAX;
         i32::from_str_radix(i.as_str(), i.radix())
             .ok()
@@ -230,7 +231,7 @@ impl<'d> Value<'d> {
             .ok_or_else(|| self.must(i.as_str(), format!("from {} to {}", range.start(), range.end())))
     }
 
-    /// True or false.
+    /// Reads true or false.
     pub(super) fn boolean(&self) -> Result<bool> {
         self.value.get_ref().as_bool().ok_or_else(|| self.wrong_type("true or false"))
     }
@@ -239,12 +240,12 @@ impl<'d> Value<'d> {
         self.value.get_ref().is_bool()
     }
 
-    /// A text.
+    /// Reads a text.
     pub(super) fn text(&self) -> Result<&'d str> {
         self.value.get_ref().as_str().ok_or_else(|| self.wrong_type("a text in quotes"))
     }
 
-    /// One of a few words, and what it stands for.
+    /// Reads one of a few words and returns its value.
     pub(super) fn choice<T: Copy>(&self, choices: &[(&'static str, T)]) -> Result<T> {
         let given = self.text()?;
         choices.iter().find(|(name, _)| *name == given).map(|&(_, value)| value).ok_or_else(|| {
@@ -253,13 +254,13 @@ impl<'d> Value<'d> {
         })
     }
 
-    /// The values of a list.
+    /// Returns the values of a list.
     pub(super) fn list(&self) -> Result<Vec<Self>> {
         let DeValue::Array(items) = self.value.get_ref() else { return Err(self.wrong_type("a list")) };
         Ok(items.iter().map(|i| self.inner(i)).collect())
     }
 
-    /// A list of so many numbers.
+    /// Reads a list of exactly `N` numbers.
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
         let DeValue::Array(items) = self.value.get_ref() else {
             return Err(self.wrong_type(&format!("a list of {N} numbers")));
@@ -274,47 +275,47 @@ impl<'d> Value<'d> {
         Ok(numbers)
     }
 
-    /// Three numbers.
+    /// Reads three numbers.
     pub(super) fn triple(&self) -> Result<DVec3> {
         self.numbers().map(DVec3::from)
     }
 
-    /// A place, in world coordinates.
+    /// Reads a position in world coordinates.
     pub(super) fn place(&self) -> Result<DVec3> {
         let p = self.triple()?;
         if within_limit(p) { Ok(p) } else { Err(self.must(p, "within 1.844e18")) }
     }
 
-    /// A direction of any length but 0, made a unit one.
+    /// Reads a direction of any length but 0, and normalises it.
     pub(super) fn direction(&self) -> Result<DVec3> {
         let d = self.triple()?;
         d.try_normalize().ok_or_else(|| self.must(d, "a direction, not 0"))
     }
 
-    /// Three numbers above 0, or one for all three.
+    /// Reads three numbers above 0, or one for all three.
     pub(super) fn extent(&self) -> Result<DVec3> {
         let e = self.one_or_three()?;
         if e.as_vec3().min_element() > 0.0 { Ok(e) } else { Err(self.must(e, "above 0")) }
     }
 
-    /// Three numbers, or one for all three.
+    /// Reads three numbers, or one for all three.
     pub(super) fn one_or_three(&self) -> Result<DVec3> {
         if self.value.get_ref().is_array() { self.triple() } else { self.number().map(DVec3::splat) }
     }
 
-    /// A colour or a grey, no channel below 0.
+    /// Reads a colour or a grey with no channel below 0.
     pub(super) fn colour(&self) -> Result<Vec3> {
         let c = self.one_or_three()?.as_vec3();
         if c.min_element() >= 0.0 { Ok(c) } else { Err(self.must(c, "at least 0 in every channel")) }
     }
 
-    /// A colour that says what share of light is left: no channel above 1 either.
+    /// Reads a colour that is a share of light, with no channel above 1.
     pub(super) fn share(&self) -> Result<Vec3> {
         let c = self.colour()?;
         if c.max_element() <= 1.0 { Ok(c) } else { Err(self.must(c, "at most 1 in every channel")) }
     }
 
-    /// A table of its own, called `what`.
+    /// Returns the value as a table, named `what` in messages.
     pub(super) fn table(&self, what: impl Into<String>) -> Result<Table<'d>> {
         match self.value.get_ref() {
             DeValue::Table(t) => Ok(Table::new(self.source, what, t, self.span())),
@@ -323,7 +324,7 @@ impl<'d> Value<'d> {
     }
 }
 
-/// The name of a TOML type in a sentence.
+/// Returns a TOML type's name with its article.
 fn article(kind: &str) -> String {
     match kind {
         "integer" | "array" => format!("an {kind}"),

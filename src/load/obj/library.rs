@@ -1,5 +1,5 @@
-//! The pre-pass over an MTL file: every statement checked and written anew for `tobj`, with what it has no place for
-//! (lines, `Tf`) kept beside.
+//! Pre-pass over an MTL file. Checks every statement and rewrites it for `tobj`; data that `tobj` does not return
+//! (lines, `Tf`) are kept beside it.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -14,29 +14,29 @@ use crate::load::assembly::Assembly;
 use crate::system::files::read;
 use crate::{Error, Result};
 
-/// The dissolve and the transparency of a material may differ by this much and still say the same.
+/// Largest difference at which a material's dissolve and transparency still agree.
 const SAME_OPACITY: f32 = 1e-3;
 
-/// One material as its file has it: every number finite and in range.
+/// One material of a file; every number is finite and in range.
 #[derive(Debug)]
 pub(super) struct Entry {
-    /// The file, as the user named it.
+    /// File, as named by the user.
     pub file: PathBuf,
-    /// The line of its `newmtl`.
+    /// Line of its `newmtl`.
     pub line: u32,
-    /// Its own name.
+    /// Name of the material.
     pub name: String,
-    /// What `tobj` read.
+    /// Values read by `tobj`.
     pub values: tobj::Material,
     /// Transmission filter, `Tf`.
     pub filter: Option<Vec3>,
-    /// The line of its `map_Kd`.
+    /// Line of its `map_Kd`.
     pub picture_line: u32,
-    /// An index that cannot be, and its line; it matters only where light is bent.
+    /// Invalid refractive index, with its line; it matters only where light is refracted.
     pub wrong_index: Option<(f32, u32)>,
 }
 
-/// The materials of all MTL files of a model.
+/// Materials of all MTL files of a model.
 #[derive(Debug, Default)]
 pub(super) struct Library {
     entries: Vec<Entry>,
@@ -44,7 +44,7 @@ pub(super) struct Library {
 }
 
 impl Library {
-    /// The material of that name; of several the last.
+    /// Returns the material of that name; of several, the last.
     pub(super) fn find(&self, name: &str) -> Option<&Entry> {
         self.places.get(name).map(|&i| &self.entries[i])
     }
@@ -55,7 +55,7 @@ impl Library {
         let bytes = read(file, limits.file_bytes)?;
         let text = super::text(file, &bytes, assembly)?;
         let mut drafts: Vec<Draft> = Vec::new();
-        // Statements before the first `newmtl`, or after one without a name, belong to nothing.
+        // Statements before the first `newmtl`, or after one without a name, belong to no material.
         let mut named = false;
         for (line, statement) in Lines::new(&text) {
             if statement.len() > limits.line_bytes {
@@ -92,7 +92,7 @@ impl Library {
         self.take(file, drafts, assembly)
     }
 
-    /// Lets `tobj` read the checked text.
+    /// Passes the checked text to `tobj`.
     fn take(&mut self, file: &Path, drafts: Vec<Draft>, assembly: &mut Assembly<'_>) -> Result<()> {
         let mut text = String::new();
         for (i, draft) in drafts.iter().enumerate() {
@@ -130,7 +130,7 @@ impl Library {
     }
 }
 
-/// A statement and where it stands.
+/// Statement with its location.
 struct At<'f> {
     file: &'f Path,
     line: u32,
@@ -146,10 +146,10 @@ impl At<'_> {
         assembly.reporter.warn(self.file, self.line as usize, kind, || format!(": `{}`", short(self.statement)))
     }
 
-    /// A finite number of at least 0.
+    /// Parses a finite number of at least 0.
     fn number(&self, word: &str) -> Result<f32> {
         let number: f32 = word.parse().map_err(|_| match word {
-            "" => self.error("a number is missing"),
+            "" => self.error("a number is missing; add it"),
             w if w.contains(',') => self.error("this is no number; write decimals with a point"),
             _ => self.error("this is no number"),
         })?;
@@ -160,7 +160,7 @@ impl At<'_> {
         }
     }
 
-    /// Three numbers, or one for all three.
+    /// Parses three numbers, or one for all three.
     fn colour(&self, words: &[&str]) -> Result<[f32; 3]> {
         match words {
             [one] => Ok([self.number(one)?; 3]),
@@ -170,14 +170,14 @@ impl At<'_> {
     }
 }
 
-/// A material while its statements come in.
+/// Material whose statements are being read.
 #[derive(Debug, Default)]
 struct Draft {
     name: String,
     line: u32,
-    /// Checked statements, for `tobj`.
+    /// Checked statements for `tobj`.
     text: String,
-    /// `d` and `Tr`, with their lines.
+    /// Values of `d` and `Tr`, with their lines.
     dissolve: Option<(f32, u32)>,
     transparency: Option<(f32, u32)>,
     picture_line: u32,
@@ -186,7 +186,7 @@ struct Draft {
 
 impl Draft {
     fn statement(&mut self, at: &At<'_>, keyword: &str, rest: &str, assembly: &mut Assembly<'_>) -> Result<()> {
-        // A comment may follow numbers; names may hold a `#`.
+        // A comment may follow numbers, but names may contain `#`.
         let numbers = rest.split('#').next().unwrap_or("");
         let words: Vec<&str> = numbers.split_ascii_whitespace().collect();
         let first = words.first().copied().unwrap_or("");
@@ -260,7 +260,7 @@ impl Draft {
         self.text.push('\n');
     }
 
-    /// The share that is covered: `d`, else 1 less `Tr`.
+    /// Returns the opacity: `d`, else 1 minus `Tr`.
     fn opacity(&self, file: &Path, assembly: &mut Assembly<'_>) -> Result<Option<f32>> {
         if let (Some((d, _)), Some((tr, line))) = (self.dissolve, self.transparency)
             && (d - (1.0 - tr)).abs() > SAME_OPACITY
@@ -272,12 +272,12 @@ impl Draft {
     }
 }
 
-/// The file of a texture statement, and whether options stand before it.
+/// Returns the file of a texture statement, and true if options precede it.
 fn texture_file(rest: &str) -> (&str, bool) {
     let mut rest = rest.trim();
     let mut options = false;
     while let Some(word) = rest.split_ascii_whitespace().next().filter(|w| w.starts_with('-')) {
-        // How many words an option takes; of those with a range only the first must be there.
+        // Smallest and largest number of words that an option takes.
         let (least, most) = match word {
             "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan" | "-type" | "-cc" => (1, 1),
             "-mm" => (2, 2),

@@ -1,11 +1,11 @@
-//! The lines of a model file: any line ending, `\` at the end joins the next line.
+//! Logical lines of a model file: any line ending; a trailing `\` joins the next line.
 
 use std::borrow::Cow;
 
-/// A statement's text and the number of the line it starts in, from 1.
+/// Text of a statement and the number of its first line, from 1.
 pub(super) type Line<'t> = (u32, Cow<'t, str>);
 
-/// Splits text into logical lines. LF, CR and CR LF all end a line.
+/// Iterator over logical lines. LF, CR and CR LF all end a line.
 pub(super) struct Lines<'t> {
     rest: &'t str,
     number: u32,
@@ -16,7 +16,7 @@ impl<'t> Lines<'t> {
         Self { rest: text.strip_prefix('\u{feff}').unwrap_or(text), number: 0 }
     }
 
-    /// The next line as it stands.
+    /// Returns the next physical line.
     fn physical(&mut self) -> Option<&'t str> {
         if self.rest.is_empty() {
             return None;
@@ -53,7 +53,7 @@ impl<'t> Iterator for Lines<'t> {
     }
 }
 
-/// The line without its `\`, if it ends in one. A comment is never continued.
+/// Returns the line without its trailing `\`, if it has one. A comment is never continued.
 fn continued(line: &str) -> Option<&str> {
     if line.trim_start().starts_with('#') { None } else { line.trim_end().strip_suffix('\\') }
 }

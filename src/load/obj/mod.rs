@@ -1,8 +1,7 @@
-//! OBJ models with their MTL materials.
+//! Reader of OBJ models with their MTL materials.
 //!
-//! `tobj` reads them, behind a pre-pass of our own (`scan`, `library`) that checks every statement, keeps the lines
-//! of faces, and writes a text that `tobj` cannot misread. What `tobj` is left to do is read the numbers and index
-//! the triangles of each material.
+//! A pre-pass (`scan`, `library`) checks every statement, keeps the lines of faces, and writes a text that `tobj`
+//! cannot misread. `tobj` then only reads the numbers and indexes the triangles of each material.
 
 mod library;
 mod lines;
@@ -24,25 +23,25 @@ use crate::system::files::read;
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// How a model is taken into a scene.
+/// Options for adding a model to a scene.
 pub(super) struct Request<'a> {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
-    /// The material of all of it; its own where none is given.
+    /// Material of the whole model; by default its own materials.
     pub material: Option<u32>,
-    /// Bend in degrees up to which faces without normals are shaded smoothly; flat where none is given.
+    /// Largest angle in degrees between faces without normals that are shaded smoothly; `None` for flat shading.
     pub smooth: Option<f64>,
-    /// Whether to turn it inside out.
+    /// Turns the model inside out.
     pub flip: bool,
-    /// Where it is put.
+    /// Placement in the scene.
     pub transform: Transform,
-    /// The largest magnitude of a coordinate, where most are that large.
+    /// Limit on the magnitude of coordinates, used if most exceed the general limit.
     pub limit: f64,
-    /// The error that says what is wrong with the transform, at its own place.
+    /// Creates the error for a wrong transform, at its location in the scene file.
     pub wrong_transform: &'a dyn Fn(String) -> Error,
 }
 
-/// Reads a model into the scene: one shape a material.
+/// Reads a model into the scene, as one shape per material.
 pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<()> {
     let limits = assembly.options.limits;
     let bytes = read(path, limits.file_bytes)?;
@@ -76,7 +75,7 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     Ok(())
 }
 
-/// The file as text; what is not UTF-8 can only be in names and comments.
+/// Decodes the file as text. Bytes that are not UTF-8 can only occur in names and comments.
 fn text<'b>(path: &Path, bytes: &'b [u8], assembly: &mut Assembly<'_>) -> Result<std::borrow::Cow<'b, str>> {
     if let Err(e) = std::str::from_utf8(bytes) {
         let at = e.valid_up_to();
@@ -90,7 +89,7 @@ fn text<'b>(path: &Path, bytes: &'b [u8], assembly: &mut Assembly<'_>) -> Result
     Ok(String::from_utf8_lossy(bytes))
 }
 
-/// The material of each name that faces use.
+/// Returns the material of each name that faces use.
 fn materials(path: &Path, scan: &scan::Scan, assembly: &mut Assembly<'_>) -> Result<Vec<u32>> {
     let mut library = Library::default();
     for (name, line) in &scan.libraries {
@@ -113,7 +112,7 @@ fn materials(path: &Path, scan: &scan::Scan, assembly: &mut Assembly<'_>) -> Res
     for ((name, line), used) in scan.uses.iter().zip(used) {
         let known = library.find(name);
         let place = match known {
-            // Read but drawn by no face: its pictures need not even be there.
+            // Read but not used by any face, so its pictures need not exist.
             _ if !used => 0,
             Some(entry) => match made.get(name.as_str()) {
                 Some(&place) => place,
@@ -140,7 +139,7 @@ fn materials(path: &Path, scan: &scan::Scan, assembly: &mut Assembly<'_>) -> Res
     Ok(places)
 }
 
-/// The message for a model without triangles: what became of its faces.
+/// Returns the message for a model without triangles, which explains the loss of its faces.
 fn no_triangles(scan: &scan::Scan, assembly: &Assembly<'_>) -> String {
     match (scan.faces.len(), assembly.reporter.most_dropped()) {
         (0, _) | (_, None) => String::from("has no triangles: there is no face (`f`) in it"),

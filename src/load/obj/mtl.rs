@@ -1,6 +1,6 @@
-//! What an MTL material becomes.
+//! Conversion of MTL materials.
 //!
-//! `illum` is MTL's own switch for which effects to simulate (Alias|Wavefront, "Material Template Library", 1995):
+//! `illum` is MTL's own switch for the effects to simulate (Alias|Wavefront, "Material Template Library", 1995):
 //!
 //! | illum | the format's meaning | here |
 //! |--:|---|---|
@@ -16,11 +16,11 @@
 //! | 9 | glass without ray tracing | a thin pane that reflects nothing and passes `Tf` |
 //! | 10 | casts shadows on invisible surfaces | as 2, with a warning |
 //!
-//! Without `illum` it is 2, and no highlight where `Ks` or `Ns` is missing or 0. `Kd` is mid-grey where a material
-//! gives neither it nor a picture, nor light of its own, nor glass. `d` below 1 (or `Tr` above 0) makes a base of
-//! that opacity, except on glass (4, 6, 7, 9), which is transparent by itself: there it is left out with a warning,
-//! and so is the reflection of 3, 5 and 8 where `d` takes its place. What the format calls the index of glass
-//! without `Ni` is not said: it is 1.5 here, with a warning.
+//! Without `illum` it is 2, and there is no highlight if `Ks` or `Ns` is missing or 0. `Kd` defaults to mid-grey,
+//! unless the material has a picture, emission, or is glass. `d` below 1 (or `Tr` above 0) makes a base of that
+//! opacity. Glass (4, 6, 7, 9) is transparent by itself, so `d` is left out there with a warning. The reflection of 3,
+//! 5 and 8 is left out with a warning where `d` applies. The format does not define the index of glass without `Ni`; it
+//! is 1.5 here, with a warning.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ use crate::scene::{
 };
 use crate::{Error, Result};
 
-/// Makes the material of an MTL entry, with its medium and picture.
+/// Converts an MTL entry to a material, with its medium and picture.
 pub(super) fn material(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<Material> {
     let values = &entry.values;
     let colour = |c: Option<[f64; 3]>| c.map_or(Rgb::ZERO, rgb);
@@ -113,7 +113,7 @@ fn rgb(colour: [f64; 3]) -> Rgb {
     Rgb::from(colour.map(|c| c as f32))
 }
 
-/// The index of a material that needs one.
+/// Returns the index of a material that needs one.
 fn index(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<f64> {
     if let Some((n, line)) = entry.wrong_index {
         return Err(Error::at(
@@ -132,14 +132,14 @@ fn index(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<f64> {
     }
 }
 
-/// The diffuse colour; `dark` says that there is none where the file gives none.
+/// Returns the diffuse colour. If the file gives none, it is black if `dark`, else mid-grey.
 fn base(entry: &Entry, dark: bool, assembly: &mut Assembly<'_>) -> Result<Colour> {
     let kd = entry.values.diffuse.map(rgb);
     if let Some(name) = &entry.values.diffuse_texture {
         match assembly.root.resolve(folder_of(&entry.file), name) {
             Ok(path) => {
                 let scale = match kd {
-                    // Written by exporters that mean the picture alone.
+                    // Written by exporters that use the picture alone.
                     Some(Rgb::ZERO) => {
                         warn_of_black_picture(entry, assembly)?;
                         Rgb::ONE

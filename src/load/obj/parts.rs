@@ -1,4 +1,4 @@
-//! From checked statements to meshes: faces cut into triangles and sorted by material, and `tobj` to index them.
+//! Conversion of checked statements to meshes: faces are triangulated and sorted by material, and `tobj` indexes them.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -14,19 +14,19 @@ use crate::load::report::Reporter;
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// The triangles of one material.
+/// Triangles of one material.
 #[derive(Debug, Default)]
 pub(super) struct Part {
-    /// The material, as the caller numbers them.
+    /// Material, by the caller's number.
     pub group: u32,
     pub triangles: Vec<[Corner; 3]>,
-    /// Line of each.
+    /// Line of each triangle.
     pub lines: Vec<u32>,
     with_uvs: usize,
     with_normals: usize,
 }
 
-/// Cuts the faces into triangles, one part a material; `group` says which material each place of `scan.uses` is.
+/// Cuts the faces into triangles, one part per material; `group` maps each entry of `scan.uses` to a material.
 pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Reporter) -> Result<Vec<Part>> {
     let mut parts: Vec<Part> = Vec::new();
     let mut places = std::collections::HashMap::new();
@@ -85,7 +85,7 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
             let triangle = t.map(|i| corners[i]);
             let [a, b, c] = triangle.map(|k| position(&k));
             if a == b || b == c || c == a {
-                // A polygon that touches itself at a corner.
+                // The polygon touches itself at a corner.
                 reporter.dropped("corners that coincide");
                 continue;
             }
@@ -99,13 +99,13 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
     Ok(parts)
 }
 
-/// Largest distance that a corner may be off by its rounding to `f32`: as it stands or, if `later`, as seen from near by.
+/// Returns the largest rounding error of a corner in `f32`: as it stands or, if `later`, relative to the first corner.
 fn rounding(points: &[DVec3], later: bool) -> f64 {
     let from = if later { points[0] } else { DVec3::ZERO };
     points.iter().fold(0f64, |m, &p| m.max((p - from).abs().max_element())) * f64::from(f32::EPSILON)
 }
 
-/// Takes normals and texture coordinates off a face that has them at some corners only, or normals without length.
+/// Removes normals and texture coordinates from a face that lacks them at some corners, and normals of zero length.
 fn check_attributes(
     file: &Path,
     line: usize,
@@ -134,19 +134,19 @@ fn usable_normal(n: Vec3) -> bool {
     length > 0.0 && length.is_finite()
 }
 
-/// The meshes of all parts, in their order.
+/// Returns the meshes of all parts, in their order.
 ///
-/// `tobj` gets a text in which nothing is left to misread: finite numbers, absolute indices in range, triangles
-/// only, one object a part, and attributes at every corner of a part or at none.
+/// `tobj` receives a text that cannot be misread: finite numbers, absolute indices in range, triangles only, one object
+/// per part, and attributes at every corner of a part or at none.
 pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Reporter) -> Result<Vec<MeshDraft>> {
     let mut text = Text { bytes: Vec::new(), what: format!("the meshes of {}", file.display()) };
     for p in &scan.positions {
-        // Corners that are not finite belong to faces that were left out; their places still count.
+        // Corners that are not finite belong to faces that were left out, but their indices still count.
         let p = if p.is_finite() { *p } else { DVec3::ZERO };
         if scan.precise {
             text.push(format_args!("v {} {} {}\n", p.x, p.y, p.z))?;
         } else {
-            // Of fewer digits.
+            // Written with fewer digits.
             let p = p.as_vec3();
             text.push(format_args!("v {} {} {}\n", p.x, p.y, p.z))?;
         }
@@ -203,12 +203,12 @@ pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Re
     Ok(models.into_iter().zip(parts).map(|(model, part)| mesh(model.mesh, part)).collect())
 }
 
-/// The most that indexing takes, in bytes: `tobj`'s lists, and the meshes made of them. `counts` are those of positions,
+/// Returns the peak bytes for indexing: `tobj`'s lists, and the meshes made of them. `counts` are those of positions,
 /// texture coordinates and normals.
 ///
-/// `tobj` has three lists of numbers of the whole text and three of a part, a hash map from 8 to 4 bytes for each of these,
-/// the faces of a part in 104 bytes each, and three lists of indices. Its lists grow by doubling, and a hash map is seven
-/// eighths full at most. What it makes is copied once.
+/// `tobj` holds three lists of numbers of the whole text and three of a part. For each of these it holds a hash map
+/// from 8 to 4 bytes. It holds the faces of a part in 104 bytes each, and three lists of indices. Its lists grow by
+/// doubling, and a hash map is at most seven eighths full. Its result is copied once.
 fn indexing_bytes(parts: &[Part], counts: [usize; 3]) -> u64 {
     let list = |count: usize, each: usize| count.next_power_of_two().saturating_mul(each);
     let kind = |(count, used): (usize, bool)| {
@@ -224,15 +224,15 @@ fn indexing_bytes(parts: &[Part], counts: [usize; 3]) -> u64 {
     (counts.into_iter().zip(used).map(kind).sum::<usize>() + list(largest, 104)) as u64
 }
 
-/// The text for `tobj`.
+/// Text for `tobj`.
 struct Text {
     bytes: Vec<u8>,
-    /// Its name in messages.
+    /// Name in messages.
     what: String,
 }
 
 impl Text {
-    /// Bytes that no piece of a line exceeds: three numbers of up to 60 characters.
+    /// Upper bound on the bytes of one piece of a line: three numbers of up to 60 characters.
     const PIECE: usize = 256;
 
     fn push(&mut self, arguments: std::fmt::Arguments<'_>) -> Result<()> {
@@ -261,7 +261,7 @@ fn mesh(mesh: tobj::Mesh, part: &Part) -> MeshDraft {
     MeshDraft { corners: vectors(&mesh.positions), mesh: out }
 }
 
-/// The unit normal of a triangle; up where it has no area (no ray meets it).
+/// Returns the unit normal of a triangle; +y for one without area, which no ray hits.
 fn flat_normal([a, b, c]: [DVec3; 3]) -> Vec3 {
     (b - a).cross(c - a).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
 }

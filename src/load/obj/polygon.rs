@@ -1,28 +1,28 @@
-//! Polygons into triangles, each corner kept.
+//! Triangulation of polygons; every corner is kept.
 
 use glam::{DVec2, DVec3};
 
-/// The largest polygon with a dent that is cut up; cutting costs the square of its corners and more.
+/// Largest concave polygon that is triangulated; the cost grows with at least the square of its corners.
 pub(super) const MOST_CONCAVE_CORNERS: usize = 8_192;
-/// Corners looked at while cutting one polygon before it counts as too much: some seconds.
+/// Number of corner visits per polygon after which triangulation gives up: some seconds.
 const MOST_LOOKS: u64 = 1 << 30;
 
-/// Why a polygon is not cut up.
+/// Reason for not triangulating a polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Refusal {
-    /// It has a dent and more than [`MOST_CONCAVE_CORNERS`].
+    /// It is concave and has more than [`MOST_CONCAVE_CORNERS`].
     TooManyCorners,
-    /// Cutting it exceeds [`MOST_LOOKS`].
+    /// Triangulation exceeds [`MOST_LOOKS`].
     TooSlow,
 }
 
-/// Cuts the polygon through `points` into `points.len() - 2` triangles of indices into it, without overlap for any
-/// simple polygon near a plane: a fan where its first corner sees all of it, else ear by ear (Meisters 1975). Corners on a
-/// straight edge stay, since neighbours may need them, and may leave triangles without area. Coordinates are off by as
-/// much as `rounding`: dents of that size are none.
+/// Triangulates the polygon through `points` into `points.len() - 2` triangles of indices. For any simple, nearly
+/// planar polygon the triangles do not overlap. The result is a fan if the first corner sees the whole polygon, else
+/// ears are cut (Meisters 1975). Corners on a straight edge are kept, since neighbours may need them, and may leave
+/// triangles without area. Coordinates are accurate to `rounding`, and smaller dents are ignored.
 ///
 /// # Errors
-/// If it has a dent and is too large or too winding to cut up.
+/// Fails if the polygon is concave and has too many corners or winds too much.
 pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), Refusal> {
     let count = points.len();
     if count == 3 {
@@ -40,12 +40,12 @@ pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize;
     if cut_ears(&flat, out) { Ok(()) } else { Err(Refusal::TooSlow) }
 }
 
-/// The polygon seen along its mean normal (Newell's method), counter-clockwise, around its first corner.
+/// Projects the polygon along its mean normal (Newell's method), counter-clockwise, relative to its first corner.
 fn flatten(points: &[DVec3]) -> Vec<DVec2> {
     let around: Vec<DVec3> = points.iter().map(|&p| p - points[0]).collect();
     let normal: DVec3 = (0..around.len()).map(|i| around[i].cross(around[(i + 1) % around.len()])).sum();
     let size = normal.abs();
-    // Dropping the largest axis keeps the other two in cyclic order, which keeps the turning sense of its sign.
+    // Dropping the largest axis keeps the other two in cyclic order, so the sign of the area is kept.
     let (pick, sign): (fn(&DVec3) -> DVec2, f64) = if size.x >= size.y && size.x >= size.z {
         (|p| DVec2::new(p.y, p.z), normal.x)
     } else if size.y >= size.z {
@@ -57,13 +57,13 @@ fn flatten(points: &[DVec3]) -> Vec<DVec2> {
     around.iter().map(|p| pick(p) * turn).collect()
 }
 
-/// Twice the signed area of a triangle; above 0 counter-clockwise.
+/// Returns twice the signed area of a triangle; above 0 for counter-clockwise order.
 fn area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Whether the fan from the first corner covers the polygon once: no triangle of it is turned over by more than
-/// `slack` times the sum of its sides there, and together they go round at most once.
+/// Returns true if the fan from the first corner covers the polygon once. No triangle may be turned over by more than
+/// `slack` times the sum of its sides there, and together they may go round at most once.
 fn is_fan(points: &[DVec2], slack: f64) -> bool {
     let mut angle = 0.0;
     for w in points[1..].windows(2) {
@@ -77,13 +77,13 @@ fn is_fan(points: &[DVec2], slack: f64) -> bool {
     angle < std::f64::consts::TAU * (1.0 + 1e-9)
 }
 
-/// Whether it came to an end before [`MOST_LOOKS`].
+/// Triangulates by cutting ears. Returns false if it exceeds [`MOST_LOOKS`].
 fn cut_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) -> bool {
     let mut looks = 0;
     let mut left: Vec<usize> = (0..points.len()).collect();
     let mut at = 0;
     let mut failures = 0;
-    // With nothing cut in a whole round the polygon crosses itself; then the best that remains is to cut anyway.
+    // If a whole round cuts nothing, the polygon crosses itself, and a triangle is cut anyway.
     while left.len() > 3 {
         let count = left.len();
         looks += count as u64;
@@ -95,7 +95,7 @@ fn cut_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) -> bool {
         if failures >= count || is_ear(points, &left, [i, j, k]) {
             out.push([i, j, k]);
             left.remove(at);
-            // Going on with the corner after next gives rounder triangles than a fan.
+            // Continuing with the corner after the next gives rounder triangles than a fan.
             failures = 0;
         } else {
             failures += 1;
@@ -106,7 +106,7 @@ fn cut_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) -> bool {
     true
 }
 
-/// Whether the triangle at corner `j` turns left and no other corner lies in it.
+/// Returns true if the triangle at corner `j` turns left and contains no other corner.
 fn is_ear(points: &[DVec2], left: &[usize], [i, j, k]: [usize; 3]) -> bool {
     let (a, b, c) = (points[i], points[j], points[k]);
     if area(a, b, c) <= 0.0 {

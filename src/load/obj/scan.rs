@@ -1,4 +1,4 @@
-//! The pre-pass over an OBJ file: every statement checked, every number read, every index made absolute, with the
+//! Pre-pass over an OBJ file: checks every statement, parses every number, and makes every index absolute. Keeps the
 //! line of each face.
 
 use std::path::Path;
@@ -13,13 +13,13 @@ use crate::load::report::Reporter;
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// Cure for a model that is too large for the memory there is.
+/// Cure for a model that exceeds the available memory.
 pub(super) const CURE: &str = "take a smaller model";
 
-/// An index that a corner does not have.
+/// Index of a missing attribute.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// One corner of a face: places of its position, texture coordinate and normal.
+/// Corner of a face: indices of its position, texture coordinate and normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Corner {
     pub v: u32,
@@ -27,40 +27,40 @@ pub(super) struct Corner {
     pub vn: u32,
 }
 
-/// One face as written.
+/// Face of the file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Face {
     pub line: u32,
-    /// Its corners, a range of [`Scan::corners`].
+    /// Corners, as a range of [`Scan::corners`].
     pub first: usize,
     pub count: usize,
-    /// Place in [`Scan::uses`].
+    /// Index into [`Scan::uses`].
     pub material: u32,
 }
 
-/// What an OBJ file says.
+/// Content of an OBJ file.
 #[derive(Debug, Default)]
 pub(super) struct Scan {
-    /// Positions; they may be anything at all.
+    /// Positions, of any value.
     pub positions: Vec<DVec3>,
-    /// True if they have all digits of the file; else they are rounded to `f32`, which is enough for what they draw.
+    /// True if positions have all digits of the file; else they are rounded to `f32`, which suffices for rendering.
     pub precise: bool,
-    /// The largest magnitude of a coordinate that can be drawn.
+    /// Largest magnitude of a coordinate that can be rendered.
     pub widest: f64,
     /// Texture coordinates, finite.
     pub uvs: Vec<Vec2>,
-    /// Normals; zero or not finite where the file gives no direction.
+    /// Normals; zero or not finite if the file gives no direction.
     pub normals: Vec<Vec3>,
     pub corners: Vec<Corner>,
     pub faces: Vec<Face>,
-    /// Names that faces use, with the line of their first use; the first stands for none.
+    /// Names of the materials used by faces, with the line of their first use; the first entry stands for no name.
     pub uses: Vec<(String, u32)>,
     /// Material files, with their lines.
     pub libraries: Vec<(String, u32)>,
 }
 
-/// Reads the statements of an OBJ file. Coordinates beyond [`COORDINATE_LIMIT`] count as wrong, unless most are: then those
-/// beyond `widest`.
+/// Parses the statements of an OBJ file. Coordinates beyond [`COORDINATE_LIMIT`] count as wrong. If most exceed it,
+/// `widest` replaces that limit.
 pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, reporter: &mut Reporter) -> Result<Scan> {
     let mut scan = Scan { uses: vec![(String::new(), 0)], ..Scan::default() };
     let mut places = std::collections::HashMap::from([(String::new(), 0u32)]);
@@ -73,7 +73,7 @@ pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, report
             let place = at.error(format!("the line has {} bytes", text.len()));
             return Err(Error::Limit(format!("{place}; at most {} are read", limits.line_bytes)));
         }
-        // A comment may follow a statement, but a name may hold a `#`.
+        // A comment may follow a statement, but a name may contain `#`.
         let (code, statement) = (text.split('#').next().unwrap_or(""), text.trim());
         let mut words = code.split_ascii_whitespace();
         let Some(keyword) = words.next() else { continue };
@@ -157,7 +157,7 @@ pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, report
                     scan.libraries.push((name.to_owned(), line));
                 }
             }
-            // Groups and objects do not part the picture; smoothing is asked for in the scene.
+            // Groups and objects have no effect on the picture; smoothing is requested in the scene.
             "g" | "o" | "s" => {}
             _ => {
                 let kind = match keyword {
@@ -189,10 +189,10 @@ fn narrow(word: &str) -> Option<f32> {
     word.parse().ok()
 }
 
-/// The number nearest to a decimal that rounds to the `f32` nearest to it, too.
+/// Parses a decimal to an `f64` that also rounds to the `f32` nearest to the decimal.
 fn wide(word: &str) -> Option<f64> {
     let x: f64 = word.parse().ok()?;
-    // Rounding twice may go the other way halfway between two `f32`: the last 29 bits of a normal one tell.
+    // Double rounding can differ halfway between two `f32`, which shows in the last 29 bits of a normal number.
     let halfway = x.to_bits() & 0x1fff_ffff == 0x1000_0000;
     let tiny = x != 0.0 && x.abs() < f64::from(f32::MIN_POSITIVE);
     if halfway || tiny {
@@ -204,7 +204,7 @@ fn wide(word: &str) -> Option<f64> {
     Some(x)
 }
 
-/// Positive indices may point forward, so they are checked at the end.
+/// Checks indices at the end, since positive ones may point forward.
 fn check_indices(file: &Path, scan: &mut Scan, reporter: &mut Reporter) -> Result<()> {
     let counts = [scan.positions.len(), scan.uvs.len(), scan.normals.len()];
     for face in &scan.faces {
@@ -215,7 +215,7 @@ fn check_indices(file: &Path, scan: &mut Scan, reporter: &mut Reporter) -> Resul
                     continue;
                 }
                 let what = ["vertex", "texture coordinate", "normal"][kind];
-                // A file without any normals may still point at them.
+                // A file without normals may still refer to them.
                 if kind > 0 && count == 0 {
                     let text = format!("faces point at {what}s, and the file has none: those are left out");
                     reporter.warn(file, face.line as usize, &text, String::new)?;
@@ -230,7 +230,7 @@ fn check_indices(file: &Path, scan: &mut Scan, reporter: &mut Reporter) -> Resul
     Ok(())
 }
 
-/// A line of the file, for messages.
+/// Line of the file, for messages.
 struct Place<'f> {
     file: &'f Path,
     line: u32,
@@ -264,7 +264,7 @@ impl Place<'_> {
         Ok([next()?, next()?, next()?])
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// Parses `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&self, word: &str, scan: &Scan) -> Result<Corner> {
         let mut parts = word.split('/');
         let mut next = |count: usize, what: &str, needed: bool| match parts.next() {
@@ -283,7 +283,7 @@ impl Place<'_> {
         }
     }
 
-    /// An index from 1, or from -1 backwards from the latest of `count`.
+    /// Parses an index: from 1, or from -1 backwards from the latest of `count`.
     fn index(&self, part: &str, count: usize, what: &str) -> Result<u32> {
         let index: i64 = part.parse().map_err(|e: std::num::ParseIntError| {
             let why = match e.kind() {
@@ -306,7 +306,7 @@ impl Place<'_> {
     }
 }
 
-/// Enough of a text for a message.
+/// Returns enough of a text for a message.
 pub(super) fn short(text: &str) -> String {
     let mut out: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if out.len() < text.len() {
@@ -323,15 +323,15 @@ mod tests {
     fn coordinates_keep_the_digits_of_f64_and_still_round_to_the_f32_nearest_to_the_decimal() {
         assert_eq!(wide("5411234.441013"), Some(5411234.441013));
         assert_eq!(wide("x"), None);
-        // Above halfway between 1 and the next `f32` by less than an `f64` can tell.
+        // Above halfway between 1 and the next `f32`, by less than `f64` resolves.
         let above = "1.000000059604644775390625000000000001";
         assert_eq!(above.parse::<f64>().unwrap() as f32, 1.0);
         assert_eq!(wide(above).unwrap() as f32, 1.0_f32.next_up());
-        // And below, where the tie would go up.
+        // Below halfway, where the tie would round up.
         let below = "1.000000178813934326171874999999999999";
         assert_eq!(below.parse::<f64>().unwrap() as f32, 1.0_f32.next_up().next_up());
         assert_eq!(wide(below).unwrap() as f32, 1.0_f32.next_up());
-        // Between 1 and 2 times the least `f32`, above the middle.
+        // Between 1 and 2 times the smallest `f32`, above the middle.
         let tiny = "2.10194769649500000000000000001e-45";
         assert_eq!(wide(tiny).unwrap() as f32, tiny.parse::<f32>().unwrap());
         assert_eq!(wide("-0").unwrap().to_bits(), (-0.0_f64).to_bits());

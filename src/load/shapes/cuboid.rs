@@ -4,13 +4,13 @@ use glam::{Vec2, Vec3};
 
 use crate::geometry::TriMesh;
 
-/// The unit cube around the origin, each face as `n` by `n` (at least 1) squares of two triangles. Faces are flat
-/// and edges sharp, so there are no normals; each face shows the whole of a picture.
+/// Returns the unit cube around the origin, each face as `n` by `n` (at least 1) squares of two triangles. Faces are
+/// flat and edges sharp, so it has no normals. Each face shows a whole picture.
 #[must_use]
 pub fn cuboid(n: u32) -> TriMesh {
     let n = n.max(1);
     let mut mesh = TriMesh::default();
-    // Corners by their place in a lattice of n + 1 steps each way, so that faces share those of their edges.
+    // Corners by their position in a lattice of n + 1 steps each way, so that faces share the corners of their edges.
     let mut corners: HashMap<[u32; 3], u32> = HashMap::new();
     for axis in 0..3 {
         for far in [false, true] {
@@ -33,7 +33,7 @@ pub fn cuboid(n: u32) -> TriMesh {
                         });
                         (corner, first_uv + (t + dt) * (n + 1) + s + ds)
                     });
-                    // Counter-clockwise about +axis: right for the far face.
+                    // Counter-clockwise about +axis, which is right for the far face.
                     if !far {
                         square.reverse();
                     }

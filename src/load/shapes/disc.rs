@@ -3,7 +3,7 @@ use glam::{Vec2, Vec3};
 use crate::geometry::TriMesh;
 use crate::load::transform::sin_cos_degrees;
 
-/// The unit disc around the origin, facing +y, as a fan of `n` triangles (at least 3).
+/// Returns the unit disc around the origin, facing +y, as a fan of `n` triangles (at least 3).
 #[must_use]
 pub fn disc(n: u32) -> TriMesh {
     let n = n.max(3);

@@ -2,7 +2,8 @@ use glam::{Vec2, Vec3};
 
 use crate::geometry::TriMesh;
 
-/// The unit square around the origin in the xz plane, facing +y, as `n` by `n` (at least 1) squares of two triangles.
+/// Returns the unit square around the origin in the xz plane, facing +y, as `n` by `n` (at least 1) squares of two
+/// triangles.
 #[must_use]
 pub fn grid(n: u32) -> TriMesh {
     let n = n.max(1);

@@ -3,25 +3,25 @@ use glam::{DVec2, DVec3, Vec2};
 use crate::geometry::TriMesh;
 use crate::load::transform::sin_cos_degrees;
 
-/// One wave of a height field: `amplitude sin(2 pi (d . p) / wavelength + phase)` with `d` the direction it runs in.
+/// Wave of a height field: `amplitude sin(2 pi (d . p) / wavelength + phase)`, where `d` is its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
     /// Height above and below the level, in scene units.
     pub amplitude: f64,
     /// Distance from crest to crest, above 0.
     pub wavelength: f64,
-    /// Where it runs, in degrees from +x towards +z.
+    /// Direction in degrees, from +x towards +z.
     pub direction: f64,
-    /// Where in the wave the origin lies, in degrees.
+    /// Phase at the origin, in degrees.
     pub phase: f64,
 }
 
-/// A surface over the rectangle `size` (x, z; above 0) around the origin, at height `level` plus all `waves`, as `n`
-/// by `n` (at least 1) squares of two triangles, facing up, with the exact normals. With a `depth` it becomes a
-/// solid with walls and a bottom at `level - depth`.
+/// Returns a surface over the rectangle `size` (x, z; above 0) around the origin, at height `level` plus all `waves`.
+/// It has `n` by `n` (at least 1) squares of two triangles, faces up, and has exact normals. With a `depth` it becomes
+/// a solid with walls and a bottom at `level - depth`.
 ///
 /// # Errors
-/// In words, where the troughs may reach the bottom.
+/// Returns a message if troughs may reach the bottom.
 pub fn heightfield(size: [f64; 2], waves: &[Wave], level: f64, depth: Option<f64>, n: u32) -> Result<TriMesh, String> {
     let n = n.max(1);
     let swing: f64 = waves.iter().map(|w| w.amplitude.abs()).sum();
@@ -57,7 +57,7 @@ pub fn heightfield(size: [f64; 2], waves: &[Wave], level: f64, depth: Option<f64
     Ok(mesh)
 }
 
-/// Height above the level and its slope along x and z.
+/// Returns the height above the level, and its slope along x and z.
 fn at(waves: &[Wave], p: DVec2) -> (f64, DVec2) {
     let mut height = 0.0;
     let mut slope = DVec2::ZERO;
@@ -72,7 +72,7 @@ fn at(waves: &[Wave], p: DVec2) -> (f64, DVec2) {
     (height, slope)
 }
 
-/// Adds four walls and a bottom of one corner below each corner of the rim.
+/// Adds four walls, and a bottom with one corner below each corner of the rim.
 fn close(mesh: &mut TriMesh, n: u32, bottom: f64) {
     let corner = |i: u32, j: u32| j * (n + 1) + i;
     // Around the rim from +x towards +z, each side with the normal of its wall.
@@ -104,7 +104,7 @@ fn close(mesh: &mut TriMesh, n: u32, bottom: f64) {
         push([a, c, d], walls + k / n);
     }
     mesh.normals.extend(sides.map(|(_, normal)| normal.as_vec3()));
-    // The bottom, a fan around its middle.
+    // The bottom is a fan around its middle.
     let down = mesh.normals.len() as u32;
     let middle = mesh.positions.len() as u32;
     for k in 0..count {

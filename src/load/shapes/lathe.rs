@@ -3,16 +3,16 @@ use glam::DVec2;
 use super::revolve::{Profile, revolve};
 use crate::geometry::TriMesh;
 
-/// Turns `profile`, a line of points `[r, y]`, about the y axis in `n` steps (at least 3).
+/// Sweeps `profile`, a polyline of points `[r, y]`, about the y axis in `n` steps (at least 3).
 ///
-/// Outside is on the right of who walks along the profile: up the outer wall of a goblet, over the rim, down the
-/// inside. An end at `r = 0` closes the surface there; a profile that ends at its first point makes a closed ring;
-/// any other end stays open. Corners of the profile that bend by at most `crease` degrees are shaded smoothly, and
-/// with 0 every triangle is flat.
+/// The outside is on the right in the direction of the profile: up the outer wall of a goblet, over the rim, and down
+/// the inside. An end at `r = 0` closes the surface there. A profile that ends at its first point makes a closed ring.
+/// Any other end stays open. Corners of the profile that bend by at most `crease` degrees are shaded smoothly; with 0
+/// every triangle is flat.
 ///
 /// # Errors
-/// In words, where the profile has fewer than two points, a radius below 0, the same point twice in a row, a point
-/// on the axis that is no end, or a number that is not finite.
+/// Returns a message if the profile has fewer than two points, or the same point twice in a row. Also fails for a
+/// radius below 0, an inner point on the axis, or a number that is not finite.
 pub fn lathe(profile: &[[f64; 2]], n: u32, crease: f64) -> Result<TriMesh, String> {
     let mut points: Vec<DVec2> = profile.iter().map(|&[r, y]| DVec2::new(r, y)).collect();
     if points.len() < 2 {
@@ -40,7 +40,7 @@ pub fn lathe(profile: &[[f64; 2]], n: u32, crease: f64) -> Result<TriMesh, Strin
     Ok(revolve(&Profile { points, looped, normals }, n.max(3)))
 }
 
-/// The normals at both ends of each piece: its own, or halfway to its neighbour's where they bend little.
+/// Returns the normals at both ends of each piece: its own, or the mean with its neighbour's if they bend little.
 fn piece_normals(points: &[DVec2], looped: bool, crease: f64) -> Vec<[DVec2; 2]> {
     let count = points.len();
     let pieces = if looped { count } else { count - 1 };
@@ -50,7 +50,7 @@ fn piece_normals(points: &[DVec2], looped: bool, crease: f64) -> Vec<[DVec2; 2]>
             DVec2::new(along.y, -along.x)
         })
         .collect();
-    // A hair of slack: a bend of exactly the crease angle counts as smooth.
+    // A small tolerance: a bend of exactly the crease angle counts as smooth.
     let least = (crease + 1e-9).min(180.0).to_radians().cos();
     let joined = |a: DVec2, b: DVec2| {
         let between = a + b;
@@ -62,7 +62,7 @@ fn piece_normals(points: &[DVec2], looped: bool, crease: f64) -> Vec<[DVec2; 2]>
             let before = if i > 0 { Some(own[i - 1]) } else { looped.then(|| own[pieces - 1]) };
             let after = if i + 1 < pieces { Some(own[i + 1]) } else { looped.then(|| own[0]) };
             let on_axis = |end: DVec2| end.x == 0.0;
-            // A nearly flat cap is smooth across the axis too.
+            // A nearly flat cap is smooth across the axis, too.
             let pole = |n: DVec2| joined(n, DVec2::new(-n.x, n.y)).unwrap_or(n);
             let start = if on_axis(points[i]) {
                 pole(own[i])

@@ -1,8 +1,8 @@
-//! Built-in shapes, as meshes made from numbers.
+//! Built-in shapes as generated meshes.
 //!
 //! Neighbouring triangles share corners by index, so closed shapes are watertight to the bit. Triangles are
-//! counter-clockwise seen from outside; normals are there where the exact shape is smooth. Exact spheres and planes
-//! need no mesh: they are [`crate::geometry::Sphere`] and [`crate::geometry::Plane`].
+//! counter-clockwise seen from outside. Normals exist where the exact shape is smooth. Exact spheres and planes need no
+//! mesh: they are [`crate::geometry::Sphere`] and [`crate::geometry::Plane`].
 
 mod cuboid;
 mod disc;
@@ -23,7 +23,7 @@ pub use torus::torus;
 
 use crate::geometry::TriMesh;
 
-/// Takes interpolated normals away: every triangle shows its own.
+/// Removes interpolated normals, so that every triangle uses its own.
 pub(super) fn make_flat(mesh: &mut TriMesh) {
     mesh.normals.clear();
     mesh.normal_indices.clear();
@@ -54,8 +54,8 @@ mod tests {
             .sum()
     }
 
-    /// Closed by index as well as by position, no needless corner, indices in range, unit normals that agree with
-    /// the triangles, texture coordinates for every triangle.
+    /// Checks that a mesh is closed by index and by position, and has no unused corner. Checks that indices are in
+    /// range, that unit normals agree with the triangles, and that every triangle has texture coordinates.
     fn check(name: &str, mesh: &TriMesh, closed: bool) {
         let n = mesh.triangles.len();
         assert!(n > 0, "{name}");

@@ -1,26 +1,27 @@
-//! Profiles turned about the y axis.
+//! Surfaces of revolution about the y axis.
 
 use glam::{DVec2, DVec3, Vec2};
 
 use crate::geometry::TriMesh;
 use crate::load::transform::sin_cos_degrees;
 
-/// A curve of points `(r, y)` and the normals at both ends of each of its pieces.
+/// Polyline of points `(r, y)`, with the normals at both ends of each piece.
 pub(super) struct Profile {
-    /// Radius and height; outside is on the right of who walks along. Only the ends may have radius 0.
+    /// Radius and height. The outside is on the right in the direction of the polyline. Only the ends may have radius
+    /// 0.
     pub points: Vec<DVec2>,
-    /// Whether the last point is joined to the first.
+    /// True if the last point is joined to the first.
     pub looped: bool,
-    /// Unit normals at the start and at the end of each piece; none for a mesh of flat triangles.
+    /// Unit normals at the start and at the end of each piece; `None` for a mesh of flat triangles.
     pub normals: Option<Vec<[DVec2; 2]>>,
 }
 
-/// The surface that `profile` sweeps, in `segments` steps (at least 3) from +x towards +z.
+/// Returns the surface that `profile` sweeps in `segments` steps (at least 3) from +x towards +z.
 pub(super) fn revolve(profile: &Profile, segments: u32) -> TriMesh {
     let columns: Vec<(f64, f64)> = angles(segments, 0.0);
     let mut mesh = TriMesh::default();
 
-    // One corner on the axis, a ring of them elsewhere.
+    // One corner on the axis, a ring of corners elsewhere.
     let mut rings = Vec::with_capacity(profile.points.len());
     for point in &profile.points {
         rings.push((mesh.positions.len() as u32, point.x == 0.0));
@@ -66,7 +67,7 @@ pub(super) fn revolve(profile: &Profile, segments: u32) -> TriMesh {
     mesh
 }
 
-/// Cosine and sine of `segments` even steps, the first at `start` steps.
+/// Returns cosine and sine of `segments` even steps; the first angle is `start` steps.
 fn angles(segments: u32, start: f64) -> Vec<(f64, f64)> {
     (0..segments)
         .map(|j| {
@@ -80,7 +81,7 @@ fn around_y(point: DVec2, (c, s): (f64, f64)) -> DVec3 {
     DVec3::new(point.x * c, point.y, point.x * s)
 }
 
-/// Where along the curve each row lies, from 0 to 1.
+/// Returns the position of each row along the polyline, from 0 to 1.
 fn arc_fractions(profile: &Profile) -> Vec<f64> {
     let mut rows = vec![0.0];
     let joined = profile.looped.then(|| profile.points[0]);
@@ -91,7 +92,7 @@ fn arc_fractions(profile: &Profile) -> Vec<f64> {
     rows.iter().map(|r| (r / whole).min(1.0)).collect()
 }
 
-/// A ring of normals in the mesh, or one for all columns.
+/// Ring of normals in the mesh, or one normal for all columns.
 #[derive(Clone, Copy)]
 struct Ring {
     first: u32,
@@ -104,7 +105,7 @@ impl Ring {
     }
 }
 
-/// Appends rings of normals, sharing one between the pieces that meet smoothly.
+/// Builder of rings of normals, which shares a ring between pieces that join smoothly.
 struct Normals<'a> {
     columns: &'a [(f64, f64)],
     segments: u32,
@@ -112,7 +113,7 @@ struct Normals<'a> {
 }
 
 impl Normals<'_> {
-    /// The ring of the profile normal `n`. On the axis a slanted normal is that of the middle of each segment.
+    /// Returns the ring of the profile normal `n`. On the axis a slanted normal is that of the middle of each segment.
     fn ring(&mut self, mesh: &mut TriMesh, n: DVec2, pole: bool) -> Ring {
         if let Some((m, p, ring)) = self.last
             && m == n

@@ -4,8 +4,8 @@ use super::revolve::{Profile, revolve};
 use crate::geometry::TriMesh;
 use crate::load::transform::sin_cos_degrees;
 
-/// The unit sphere around the origin, as `bands` (at least 2, fewer count as 2) bands of latitude and twice as many
-/// of longitude: `4 bands (bands - 1)` triangles with smooth normals.
+/// Returns the unit sphere around the origin, as `bands` (at least 2; fewer count as 2) bands of latitude and twice as
+/// many of longitude. It has `4 bands (bands - 1)` triangles with smooth normals.
 #[must_use]
 pub fn sphere(bands: u32) -> TriMesh {
     let bands = bands.max(2);

@@ -4,8 +4,8 @@ use super::revolve::{Profile, revolve};
 use crate::geometry::TriMesh;
 use crate::load::transform::sin_cos_degrees;
 
-/// A ring about the y axis: a tube of radius `minor` (above 0) whose middle runs at radius `major` (above `minor`),
-/// in `n` steps along the ring and half as many around the tube (each at least 3): smooth normals.
+/// Returns a torus about the y axis, with smooth normals. The tube has radius `minor` (above 0) and its middle runs at
+/// radius `major` (above `minor`). It has `n` steps along the ring and half as many around the tube (each at least 3).
 #[must_use]
 pub fn torus(major: f64, minor: f64, n: u32) -> TriMesh {
     let around = (n / 2).max(3);

@@ -161,7 +161,7 @@ impl<I: Intersector> Worker<'_, I> {
     fn soft_share(&mut self, lamp: usize, soft: &SoftStages, depth: usize, coherence: Coherence) -> Option<Share> {
         let sums = take(&mut self.shading.accumulator);
         self.shading.accumulator.reset(1);
-        (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+        (soft.unoccluded)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
         let unshadowed = from_fixed(self.shading.accumulator.sums(0).0);
         self.shading.accumulator = sums;
         if unshadowed == DVec3::ZERO {
@@ -170,11 +170,11 @@ impl<I: Intersector> Worker<'_, I> {
         let before = self.added();
         let mut shadow = None;
         if soft.shadows {
-            (soft.ask)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+            (soft.shadowed)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
             shadow = self.shading.shadows.rays.first().copied();
             self.flush_shadows(depth, coherence);
         } else {
-            (soft.open)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
+            (soft.unoccluded)(&mut self.shading, lamp, &self.surfaces, &self.bases, depth);
         }
         let radiance = self.added_since(before);
         let blocker = shadow.filter(|_| radiance == DVec3::ZERO).and_then(|shadow| self.blocker(shadow));

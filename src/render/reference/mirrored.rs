@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::split::Way;
+use super::split::Lobe;
 use super::trace::{Arrival, Branch, Tracer};
 use super::{Prepared, past};
 use crate::accel::reference::{Hit64, Ray64};
@@ -31,35 +31,35 @@ pub(super) struct Start {
 impl<L: Recorder> Tracer<'_, '_, L> {
     /// Sends what is reflected as a ray of the camera's image in the mirror that was met; as any other where the ray that met
     /// it is no camera's, or the mirror is not planar.
-    pub(super) fn reflected_by_matrix(&mut self, at: &Arrival, way: Way) {
+    pub(super) fn reflected_by_matrix(&mut self, at: &Arrival, lobe: Lobe) {
         let kind = RayKind::Reflected;
         let Some((dir, start)) = self.prepared.image_of(at) else {
-            return self.send(at, kind, at.mirrored(), way, at.ray.stack.clone());
+            return self.send(at, kind, at.mirrored(), lobe, at.ray.stack.clone());
         };
-        let weight = at.ray.weight * way.share;
+        let weight = at.ray.weight * lobe.share;
         if weight == DVec3::ZERO {
             return;
         }
         if start.image.level > self.prepared.mirror_levels {
-            self.end(Limit::Asked, weight);
+            self.tally.end(Limit::Asked, weight);
             return;
         }
-        let (stack, polarisation) = (at.ray.stack.clone(), way.polarisation);
+        let (stack, polarisation) = (at.ray.stack.clone(), lobe.polarisation);
         self.branches.push(Branch { kind, dir, weight, nm: at.ray.nm, stack, polarisation, start: Some(start) });
     }
 
     /// Looks what is reflected up in the map of the reflector; sends a ray where there is none, or inside a body.
-    pub(super) fn reflected_in_map(&mut self, at: &Arrival, way: Way) {
+    pub(super) fn reflected_in_map(&mut self, at: &Arrival, lobe: Lobe) {
         let (prepared, object) = (self.prepared, at.id.0);
         let front = at.geometric.dot(at.surface.outward) > 0.0;
         let inside = !front && prepared.scene.medium_of(object as usize).is_some();
         let maps = prepared.maps.as_ref().map(|taken| &*taken.maps);
         let Some((maps, map)) = maps.and_then(|maps| Some((maps, maps.of(object).filter(|_| !inside)?))) else {
             self.tally.without_map += 1;
-            return self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone());
+            return self.send(at, RayKind::Reflected, at.mirrored(), lobe, at.ray.stack.clone());
         };
         let seen = maps.look_up(map, prepared.proxy, at.surface.point.as_vec3(), at.mirrored().as_vec3());
-        self.add(at.ray.node, Source::MirroredEnvironment, at.ray.weight * way.share * seen.as_dvec3());
+        self.add(at.ray.node, Source::MirroredEnvironment, at.ray.weight * lobe.share * seen.as_dvec3());
     }
 }
 

@@ -5,10 +5,13 @@
 //! [`crate::optics`] (here in `f64`) and the scene. It makes reference pictures and evaluates single pixels.
 //! [`Prepared::radiance_at`] and [`Prepared::radiance_along`] accept any point of the film and any ray.
 
+mod branch;
 mod camera;
 mod colour;
 mod condition;
+mod direct;
 mod disperse;
+mod divide;
 mod light;
 mod media;
 mod mirrored;
@@ -34,7 +37,7 @@ use crate::accel::reference::{Hit64, Ray64, Reference};
 use crate::effects::{self, Effect};
 use crate::geometry::contact::Contacts;
 use crate::image::Film;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
+use crate::optics::{FresnelModel, RefractionModel, Spectrum};
 use crate::scene::{Bodies, Material, Scene};
 use crate::system::threads;
 use crate::systems::maps::Proxy;
@@ -56,7 +59,6 @@ pub struct Prepared<'a> {
     touching: TouchingFound,
     fresnel: FresnelModel,
     refraction: RefractionModel,
-    oliveira: Oliveira,
     reflection: Reflection,
     /// Planar mirrors in which cameras are mirrored, if that is requested, and the largest number of consecutive ones.
     mirrors: Option<Mirrors>,
@@ -91,7 +93,7 @@ impl<'a> Prepared<'a> {
     /// leave out of the scene's data ([`effects::without`]).
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, oliveira, reflection, mirror_levels, .. } = options;
+        let &Options { fresnel, reflection, mirror_levels, .. } = options;
         let mirrors = planar::mirrors(scene, options);
         let refraction = options.bending();
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
@@ -111,7 +113,6 @@ impl<'a> Prepared<'a> {
             touching,
             fresnel,
             refraction,
-            oliveira,
             reflection,
             mirrors,
             mirror_levels,
@@ -287,7 +288,7 @@ struct Row {
 /// - [`Error::Limit`] if threads or memory for the picture are not available.
 /// - [`Error::Usage`] if a proven cut-off is requested for a scene that has none.
 pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<Outcome> {
-    super::room::need(&scene.settings)?;
+    super::memory::need(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
     Reference::need(&scene.geometry)?;
     let mut prepared = Prepared::with(scene, options);

@@ -1,6 +1,7 @@
 //! Boundaries of transparent solids and liquids: reflection and refraction.
 
-use super::super::accumulate::set_lanes;
+use std::marker::PhantomData;
+
 use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
@@ -9,69 +10,44 @@ use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::super::worker::MOST_PASSES;
 use super::disperse::disperse;
-use super::ways::{Optics, Ways};
+use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{
-    Bec, Boundary, Crossing, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
-    StraightThrough, Trigonometric, below_surface, reflect,
+    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
-use crate::simd::{F32x8, Mask8, Vec3x8};
+use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Picks the stage for a refraction formula. The variant for touching surfaces also handles dispersion, by looking up
 /// at run time whether media disperse.
 #[must_use]
 pub(super) fn pick<O: Optics>(model: RefractionModel, dispersing: bool, touching: bool) -> SplitStage {
-    match (dispersing, touching) {
-        (_, true) => pick_for::<O, true, true>(model),
-        (true, false) => pick_for::<O, true, false>(model),
-        (false, false) => pick_for::<O, false, false>(model),
+    struct Pick<O> {
+        dispersing: bool,
+        touching: bool,
+        optics: PhantomData<O>,
     }
-}
-
-fn pick_for<O: Optics, const DISPERSING: bool, const TOUCHING: bool>(model: RefractionModel) -> SplitStage {
-    match model {
-        RefractionModel::Stable => split::<O, Stable, DISPERSING, TOUCHING>,
-        RefractionModel::Trigonometric => split::<O, Trigonometric, DISPERSING, TOUCHING>,
-        RefractionModel::Heckbert => split::<O, Heckbert, DISPERSING, TOUCHING>,
-        RefractionModel::Bec => split::<O, Bec, DISPERSING, TOUCHING>,
-        RefractionModel::SlidesVector => split::<O, SlidesVector, DISPERSING, TOUCHING>,
-        RefractionModel::Oliveira => split::<O, Oliveira, DISPERSING, TOUCHING>,
-        RefractionModel::StraightThrough => split::<O, StraightThrough, DISPERSING, TOUCHING>,
-    }
-}
-
-/// Construction of a formula for one render. Stages are selected by type alone, so they build the value themselves.
-trait OfRender: RefractionFormula {
-    fn of(shading: &Shading) -> Self;
-}
-
-impl OfRender for Oliveira {
-    fn of(shading: &Shading) -> Self {
-        shading.oliveira
-    }
-}
-
-macro_rules! without_values {
-    ($($formula:ty),*) => {$(
-        impl OfRender for $formula {
-            fn of(_: &Shading) -> Self {
-                Self
+    impl<O: Optics> RefractionVisitor for Pick<O> {
+        type Output = SplitStage;
+        fn visit<R: RefractionFormula>(self, _formula: R) -> SplitStage {
+            match (self.dispersing, self.touching) {
+                (_, true) => split::<O, R, true, true>,
+                (true, false) => split::<O, R, true, false>,
+                (false, false) => split::<O, R, false, false>,
             }
         }
-    )*};
+    }
+    model.dispatch(Pick::<O> { dispersing, touching, optics: PhantomData })
 }
 
-without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThrough);
-
-fn split<O: Optics, R: OfRender, const DISPERSING: bool, const TOUCHING: bool>(
+fn split<O: Optics, R: RefractionFormula, const DISPERSING: bool, const TOUCHING: bool>(
     shading: &mut Shading,
     surfaces: &mut [Surface8],
     depth: usize,
 ) {
-    let formula = R::of(shading);
+    let formula = R::of(shading.refraction);
     let total_is_lost = shading.total_is_lost;
     for surface in surfaces {
         let Entered { boundary, beyond, fans } = enter::<TOUCHING>(shading, surface, depth);
@@ -84,17 +60,25 @@ fn split<O: Optics, R: OfRender, const DISPERSING: bool, const TOUCHING: bool>(
         }
         let at = boundary.cross(-surface.incident.dot(surface.shading));
         let lanes = if total_is_lost { lose(shading, surface, lanes & at.total.bits(), lanes) } else { lanes };
-        let before = O::before(shading, surface, surface.shading);
-        let Ways { back, on } = O::boundary(shading, surface, &boundary, &at, &before);
+        let before = O::arriving(shading, surface, surface.shading);
+        let Lobes { reflection, transmission } = O::boundary(shading, surface, &boundary, &at, &before);
 
         let dir = reflect(surface.incident, surface.shading);
-        reflected::<O>(shading, surface, lanes, dir, surface.weight.times(back.share), &back.carried, depth);
+        reflected::<O>(
+            shading,
+            surface,
+            lanes,
+            dir,
+            surface.weight.times(reflection.share),
+            &reflection.carried,
+            depth,
+        );
 
         let refracting = lanes & !at.total.bits();
         if refracting != 0 {
-            let weight = surface.weight.times(on.share).times(tints(shading, surface));
+            let weight = surface.weight.times(transmission.share).times(tints(shading, surface));
             let light = Refraction { boundary, at, weight, beyond };
-            refracted::<O, R>(shading, surface, refracting, &light, &on.carried, &formula, depth);
+            refracted::<O, R>(shading, surface, refracting, &light, &transmission.carried, &formula, depth);
         }
     }
 }
@@ -129,7 +113,7 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     // A formula may fail to give a direction where one exists; the ray's weight is then truncated.
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
-    let extra = O::along(carried, dir);
+    let extra = O::leaving(carried, dir);
     let new = Spawn8 {
         origin: surface.below(),
         dir,

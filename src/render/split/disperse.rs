@@ -4,7 +4,7 @@ use super::super::media::{FanId, StackId};
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
 use super::dielectric::{Refraction, refracted, ruled, tints};
-use super::ways::Unpolarised;
+use super::lobes::Unpolarised;
 use super::{WHITE, gather_boundaries, lane_bits, reflected};
 use crate::math::Real;
 use crate::optics::{Boundary, FresnelFormula, RefractionFormula, SEPARATION, reflect};

@@ -2,7 +2,7 @@
 
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
-use super::ways::{Optics, Way, Ways};
+use super::lobes::{Lobe, Lobes, Optics};
 use super::{WHITE, gather_boundaries, reflected, straight_on};
 use crate::optics::{Boundary, Crossing, reflect};
 use crate::scene::{Interface, Rgb};
@@ -11,25 +11,25 @@ use crate::simd::F32x8;
 /// Shades panes; both faces count as one surface.
 pub(super) fn thin<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
-        let before = O::before(shading, surface, surface.shading);
+        let before = O::arriving(shading, surface, surface.shading);
         let (boundary, at) = face(shading, surface);
-        let Ways { back, on } = O::pane(shading, surface, &boundary, &at, &before);
+        let Lobes { reflection, transmission } = O::pane(shading, surface, &boundary, &at, &before);
         let tint =
             shading.colours(surface, |i| if let Interface::ThinDielectric { tint, .. } = i { *tint } else { Rgb::ONE });
         let dir = reflect(surface.incident, surface.shading);
-        let weight = surface.weight.times(back.share);
-        reflected::<O>(shading, surface, surface.active, dir, weight, &back.carried, depth);
-        let weight = surface.weight.times(on.share).times(tint);
-        straight_on::<O>(shading, surface, surface.active, weight, &on.carried, depth);
+        let weight = surface.weight.times(reflection.share);
+        reflected::<O>(shading, surface, surface.active, dir, weight, &reflection.carried, depth);
+        let weight = surface.weight.times(transmission.share).times(tint);
+        straight_on::<O>(shading, surface, surface.active, weight, &transmission.carried, depth);
     }
 }
 
 /// Shades coats. Light that a coat does not reflect reaches the base.
 pub(super) fn coated<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
-        let before = O::before(shading, surface, surface.shading);
+        let before = O::arriving(shading, surface, surface.shading);
         let (boundary, at) = face(shading, surface);
-        let Way { share, carried } = O::coat(&boundary, &at, &before);
+        let Lobe { share, carried } = O::coat(&boundary, &at, &before);
         surface.base_weight = surface.weight.times(WHITE - share);
         let dir = reflect(surface.incident, surface.shading);
         reflected::<O>(shading, surface, surface.active, dir, surface.weight.times(share), &carried, depth);
@@ -42,7 +42,7 @@ pub(super) fn alpha<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8],
         let opacity =
             shading.colours(surface, |i| Rgb::splat(if let Interface::Alpha { opacity } = i { *opacity } else { 1.0 }));
         surface.base_weight = surface.weight.times(opacity);
-        let before = O::before(shading, surface, surface.shading);
+        let before = O::arriving(shading, surface, surface.shading);
         straight_on::<O>(shading, surface, surface.active, surface.weight.times(WHITE - opacity), &before, depth);
     }
 }

@@ -3,8 +3,8 @@
 use super::super::shading::Shading;
 use super::super::sky::Sky;
 use super::super::surface::Surface8;
+use super::lobes::{Lobe, Optics};
 use super::reflected;
-use super::ways::{Optics, Way};
 use crate::optics::reflect;
 use crate::scene::{Interface, Rgb};
 use crate::simd::F32x8;
@@ -17,7 +17,7 @@ fn reflectance(interface: &Interface) -> Rgb {
 pub(super) fn traced<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
         let share = shading.colours(surface, reflectance);
-        let carried = O::mirror(&O::before(shading, surface, surface.shading));
+        let carried = O::mirror(&O::arriving(shading, surface, surface.shading));
         let dir = reflect(surface.incident, surface.shading);
         reflected::<O>(shading, surface, surface.active, dir, surface.weight.times(share), &carried, depth);
     }
@@ -43,8 +43,8 @@ pub(super) fn conductor<O: Optics>(shading: &mut Shading, surfaces: &mut [Surfac
         let eta = shading.colours(surface, |i| if let Interface::Conductor { eta, .. } = i { *eta } else { Rgb::ONE });
         let k = shading.colours(surface, |i| if let Interface::Conductor { k, .. } = i { *k } else { Rgb::ZERO });
         let cos_i = -surface.incident.dot(surface.shading);
-        let before = O::before(shading, surface, surface.shading);
-        let Way { share, carried } = O::metal(cos_i, eta * relative, k * relative, &before);
+        let before = O::arriving(shading, surface, surface.shading);
+        let Lobe { share, carried } = O::metal(cos_i, eta * relative, k * relative, &before);
         let dir = reflect(surface.incident, surface.shading);
         reflected::<O>(shading, surface, surface.active, dir, surface.weight.times(share), &carried, depth);
     }

@@ -1,6 +1,5 @@
 //! Treatment of reflected light: traced, looked up in the environment, or left out.
 
-use super::super::accumulate::set_lanes;
 use super::super::extra::Extra8;
 use super::super::limit::Limit;
 use super::super::options::Reflection;
@@ -11,6 +10,7 @@ use super::super::sky::{Constant, Gradient, LatLong, Mapped, Sky};
 use super::super::surface::Surface8;
 use crate::geometry::GeometryMask;
 use crate::scene::{Environment, Rgb, Scene};
+use crate::simd::set_lanes;
 use crate::simd::{F32x8, Vec3x8};
 
 /// Function that handles light of the given weight that leaves eight surfaces in a direction of about unit length. The

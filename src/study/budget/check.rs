@@ -1,4 +1,4 @@
-//! A picture held against `f64` at a sample of its own pixels.
+//! Check of a picture against `f64` at a sample of its pixels.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,81 +13,80 @@ use crate::study::errors::off;
 use crate::study::reference;
 use crate::study::variant::Variant;
 
-/// Pixels that are asked, at most.
+/// Largest number of pixels in the sample.
 const ASKED: usize = 512;
 
-/// What the sample came to.
+/// Result of checking the sample.
 #[derive(Clone, Debug, Serialize)]
 pub struct Check {
-    /// Pixels asked.
+    /// Number of pixels checked.
     pub asked: usize,
-    /// The picture they are held against.
+    /// Description of the reference.
     pub reference: String,
-    /// The most that a channel may be off.
+    /// Bound on the error of a channel.
     pub bound: f64,
-    /// Pixels within the bound at which the reference itself may be off by more: by the light that its depth limit and
-    /// cut-off took, or by the rounding of the picture's `f32`.
+    /// Number of pixels within the bound at which the reference itself may be off by more. Causes are its depth limit,
+    /// its cut-off, and the rounding of the picture's `f32`.
     pub undecided: usize,
-    /// The largest difference of a pixel that is not known to be ill-conditioned.
+    /// Largest difference of a pixel that is not known to be ill-conditioned.
     pub worst: f64,
-    /// Pixels beyond the bound.
+    /// Number of pixels beyond the bound.
     pub beyond: usize,
-    /// Whether these were asked for their condition; where not, the two lists below are empty.
+    /// True if these pixels were tested for their condition; if not, the two lists below are empty.
     pub examined: bool,
-    /// Pixels beyond the bound that are ill-conditioned, each with what shows it.
+    /// Ill-conditioned pixels beyond the bound, with the evidence.
     pub ill: Vec<Beyond>,
-    /// Pixels beyond the bound without such an excuse.
+    /// Well-conditioned pixels beyond the bound.
     pub wrong: Vec<Beyond>,
 }
 
-/// A pixel beyond the bound.
+/// Pixel beyond the bound.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Beyond {
     /// Column from the left.
     pub x: u32,
     /// Row from the top.
     pub y: u32,
-    /// How far it is off.
+    /// Difference to the reference.
     pub off: f64,
-    /// Its `f64` value itself moves by more than the bound when its camera rays move by so many ulps of `f32`.
+    /// Movement of its camera rays, in ulps of `f32`, at which its `f64` value changes by more than the bound.
     pub moves_at_ulps: Option<f64>,
 }
 
 /// Largest relative error of a value rounded to `f32`.
 const HALF_AN_ULP: f64 = f32::EPSILON as f64 / 2.0;
 
-/// A pixel of the sample.
+/// Pixel of the sample.
 struct Asked {
     pixel: Beyond,
     /// Largest channel of the reference.
     bright: f64,
-    /// Largest weight that the reference's limits took of a channel.
+    /// Largest weight that the reference's limits removed from a channel.
     cut: f64,
 }
 
 impl Check {
-    /// Returns true if the pixels that the reference leaves undecided are few enough for the rest to speak for the
-    /// picture: one in a hundred.
+    /// Returns true if at most one pixel in a hundred is undecided, so that the others represent the picture.
     #[must_use]
     pub fn can_show(&self) -> bool {
         self.undecided * 100 <= self.asked
     }
 
-    /// Returns true if the sample shows that the picture keeps the bound: no pixel is wrong, and those that are excused
-    /// for their condition are at most one in twenty. Below some bound every pixel in `f32` has that excuse.
+    /// Returns true if the sample shows that the picture keeps the bound. No pixel may be wrong, and at most one in
+    /// twenty ill-conditioned. Below some bound every pixel in `f32` is ill-conditioned.
     #[must_use]
     pub fn shows_it_kept(&self) -> bool {
         self.wrong.is_empty() && self.ill.len() * 20 <= self.asked && self.can_show()
     }
 }
 
-/// Holds `film`, a picture of `scene` by whatever choices, against the best reference that the scene supports
-/// ([`reference::most_exact`]): at all its pixels where they are few, else at a sample that covers it evenly (the R2
-/// sequence of Roberts 2018). Lamps with an extent and wavelengths are sampled as in the picture. Only where `examined`
-/// are pixels beyond the bound asked for their condition, which takes a hundred times as long as their value.
+/// Checks `film`, a picture of `scene` by any choices, against the best reference that the scene supports
+/// ([`reference::most_exact`]). Checks all pixels of a small picture, else a sample that covers it evenly (the R2
+/// sequence of Roberts 2018). Area lamps and wavelengths are sampled as in the picture. If `examined`, pixels beyond
+/// the bound are tested for their condition, which takes a hundred times as long as their value.
 ///
 /// # Errors
-/// `Interrupted`.
+/// Returns [`Error::Interrupted`](crate::Error::Interrupted) if the observer requests a stop.
 pub fn check(
     scene: &Scene,
     film: &Film,
@@ -97,7 +96,7 @@ pub fn check(
     observer: &Observer,
 ) -> Result<Check> {
     let exact = reference::most_exact(default, scene);
-    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
+    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.try_clone()? };
     let prepared = Prepared::new(&judge, exact.fresnel);
     let condition = Condition::new(&judge, prepared, bound, observer);
     let pixels = sample(film.width, film.height);
@@ -125,7 +124,7 @@ pub fn check(
     Ok(Check { asked: pixels.len(), reference, bound, undecided, worst, beyond: count, examined, ill, wrong })
 }
 
-/// The brightness that nineteen pixels of twenty stay within.
+/// Returns the brightness that 19 of 20 pixels do not exceed.
 fn usual_brightness(found: &[Asked]) -> f64 {
     let mut bright: Vec<f64> = found.iter().map(|asked| asked.bright).collect();
     bright.sort_unstable_by(f64::total_cmp);

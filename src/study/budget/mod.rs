@@ -1,9 +1,9 @@
-//! The budget turned round: which choices keep a given error at the least time, or a given time at the least error.
+//! Choice of settings for a budget: the fastest within a given error, or the most exact within a given time.
 //!
-//! A small picture of the scene is made by every level of every choice that is free, the others exact. Errors of levels
-//! are then added and times multiplied to predict combinations; the most promising of these are made and measured, and
-//! the best one that keeps the wish is taken. Afterwards ([`check`]) a sample of the picture's own pixels is held against
-//! `f64`, and where that fails the next more exact combination is taken.
+//! A small picture of the scene is rendered with every level of every free choice, while the others are exact. To
+//! predict combinations, errors of levels are added and times multiplied. The most promising combinations are rendered
+//! and measured, and the best one within the budget is chosen. Afterwards ([`check`]) a sample of the final picture's
+//! pixels is checked against `f64`. If that fails, the next more exact combination is used.
 
 pub mod check;
 mod quick;
@@ -22,32 +22,32 @@ use crate::scene::Scene;
 use crate::{Error, Result};
 use quick::{Judged, Quick};
 
-/// Part of the wished error that the small picture may use up: it has fewer pixels to be wrong in.
+/// Share of the allowed error that the small picture may use, since it has fewer pixels that could be wrong.
 const MARGIN: f64 = 0.5;
 
-/// Part of the wished time that the prediction from the slowest run may use up.
+/// Share of the allowed time that the prediction from the slowest run may use.
 const OF_THE_TIME: f64 = 0.85;
 
-/// Combinations that are made, at most.
+/// Largest number of combinations that are rendered.
 const TRIED: usize = 24;
 
-/// Larger pictures that times are learnt from, at most: from that of what looked best by the one before.
+/// Largest number of larger pictures rendered to improve predicted times, each of the best candidate so far.
 const LARGER: usize = 4;
 
-/// Times that are this close count as equal, so that noise decides nothing: the more exact wins.
+/// Relative difference below which times count as equal, so that noise decides nothing; the more exact candidate wins.
 const CLOSE: f64 = 0.07;
 
-/// What is wished for.
+/// Budget given by the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wish {
-    /// No channel of a pixel off by more, in units of radiance.
+    /// Largest error of a channel, in units of radiance.
     MaxError(f64),
-    /// Rendering within this time.
+    /// Largest rendering time.
     Time(Duration),
 }
 
 impl Wish {
-    /// Seconds that a picture may be predicted to take, from its slowest run.
+    /// Returns the largest predicted time in seconds, from a candidate's slowest run.
     fn seconds(self) -> f64 {
         match self {
             Self::MaxError(_) => f64::INFINITY,
@@ -56,29 +56,29 @@ impl Wish {
     }
 }
 
-/// Choices that were made and measured on the small picture.
+/// Combination of choices measured on the small picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Candidate {
-    /// The choices.
+    /// Choices.
     pub variant: Variant,
-    /// Seconds that the whole picture is predicted to take, from the median of some runs.
+    /// Predicted seconds for the whole picture, from the median run.
     pub seconds: f64,
-    /// The same from the slowest of them: what a machine that does other work may make of it.
+    /// Predicted seconds from the slowest run, as on a machine with other work.
     pub slowest: f64,
-    /// Largest difference of a channel from `f64` in the small picture, ill-conditioned pixels apart.
+    /// Largest difference of a channel from `f64` in the small picture, excluding ill-conditioned pixels.
     pub max: f64,
     /// Root of the mean squared difference.
     pub rmse: f64,
 }
 
-/// What one level does by itself, the others exact.
+/// Effect of one level while the other choices are exact.
 #[derive(Clone, Debug, Serialize)]
 pub struct Alone {
-    /// Its axis.
+    /// Name of the axis.
     pub axis: &'static str,
-    /// Its name.
+    /// Name of the level.
     pub level: String,
-    /// Its time over that of the exact level.
+    /// Time relative to the exact level.
     pub ratio: f64,
     /// Largest difference of a channel.
     pub max: f64,
@@ -88,40 +88,42 @@ pub struct Alone {
     rmse: f64,
 }
 
-/// What was chosen, and why.
+/// Result of the choice.
 #[derive(Clone, Debug, Serialize)]
 pub struct Choice {
     /// Columns and rows of the small picture.
     pub size: [u32; 2],
-    /// Seconds that the study took.
+    /// Seconds that the choice took.
     pub study_seconds: f64,
-    /// What each level does by itself.
+    /// Effects of each level by itself.
     pub alone: Vec<Alone>,
-    /// Combinations that were thought of.
+    /// Number of combinations predicted.
     pub thought_of: usize,
-    /// Those that were made and measured.
+    /// Number of combinations measured.
     pub tried: usize,
-    /// The one to take and, where it fails, those to take then, each more exact than the one before.
+    /// Chosen combination, followed by ever more exact ones to use if it fails.
     pub ladder: Vec<Candidate>,
-    /// Whether the first of them is predicted to keep the wish.
+    /// True if the first combination is predicted to keep the budget.
     pub kept: bool,
 }
 
-/// A combination as predicted.
+/// Predicted combination.
 #[derive(Clone, Copy)]
 struct Predicted {
     variant: Variant,
     seconds: f64,
-    /// Of the levels that cut rays, the least part of the base's time that one leaves, and the product of all of them.
+    /// Time ratios of the ray-cutting levels: [minimum, product].
     cut: [f64; 2],
     max: f64,
     squares: f64,
 }
 
-/// Finds what keeps the wish for a picture of `scene` by `threads` threads. `default` holds where an axis is in `fixed`.
+/// Chooses settings for a picture of `scene` with `threads` threads. Axes in `fixed` keep the level of `default`.
 ///
 /// # Errors
-/// `Interrupted`; a limit, where the default back end is not there; usage, where `f32` cannot hold the bound.
+/// - `Error::Interrupted` if the observer requests a stop.
+/// - `Error::Limit` if the default back end is not available.
+/// - `Error::Usage` if `f32` cannot represent the bound.
 pub fn choose(
     scene: &Scene,
     default: &Variant,
@@ -144,10 +146,10 @@ pub fn choose(
     let free: Vec<Axis> = Axis::ALL
         .into_iter()
         .filter(|a| !fixed.contains(a) && !matches!(a, Axis::Sampling | Axis::Precision))
-        // What walks one ray at a time is there to be compared, not to be chosen.
+        // The single-ray walk exists for comparison only.
         .filter(|a| !matches!(a, Axis::Triangles | Axis::Reciprocal))
         .collect();
-    // The most exact that f32 does, within what is fixed.
+    // The most exact choices in f32, within the fixed axes.
     let mut base = Variant { precision: Precision::Single, ..exact };
     for &axis in fixed {
         base = base.with(default.level(axis));
@@ -157,7 +159,7 @@ pub fn choose(
     let mut nearest = of_base.clone();
     let (singles, _) = plan::singles(scene, &base, &free);
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
-        // Where a medium disperses, polarisation is not carried; and a proof costs more than the base's own cut-off.
+        // Dispersive scenes carry no polarisation, and a proof costs more than the base's own cut-off.
         let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
         if polarised || (variant.proven.is_some() && base.proven.is_none()) {
             continue;
@@ -217,7 +219,7 @@ pub fn choose(
 }
 
 /// # Errors
-/// Usage, where the rounding of the picture's brightest value is larger than the bound.
+/// Returns `Error::Usage` if rounding the picture's brightest value exceeds the bound.
 fn refuse_what_f32_cannot_hold(bound: f64, brightest: f64) -> Result<()> {
     let rounding = brightest * f64::from(f32::EPSILON) / 2.0;
     if bound >= rounding {
@@ -230,8 +232,8 @@ fn refuse_what_f32_cannot_hold(bound: f64, brightest: f64) -> Result<()> {
     )))
 }
 
-/// Makes the combinations that look most promising beside those in `tried`, of which the first is the base. `slower` is how
-/// much longer than predicted those turned out to take that were too slow; what it is from here on.
+/// Renders the most promising combinations beside those in `tried`, whose first entry is the base. `slower` is the
+/// factor by which candidates that were too slow exceeded their predictions; it is updated.
 fn try_out(
     tried: &mut Vec<Candidate>,
     alone: &[Alone],
@@ -250,7 +252,7 @@ fn try_out(
             slower = slower.max(candidate.slowest / p.seconds);
         }
         tried.push(candidate);
-        // The most promising come first.
+        // The most promising combinations come first.
         let new = &tried[before..];
         if new.len() >= TRIED || (new.len() >= TRIED / 3 && new.iter().any(|c| keeps(c, wish))) {
             break;
@@ -271,13 +273,14 @@ fn keeps(c: &Candidate, wish: Wish) -> bool {
     }
 }
 
-/// Whether what the levels of an axis save is rays. Several such levels save partly the same ones: at least what the one does
-/// that saves most, at most what their product says. Half way between, geometrically, is what is predicted.
+/// Returns true if the axis saves time by tracing fewer rays. Several such levels partly save the same rays: together
+/// at least as many as the best one, and at most as many as their product says. The prediction is the geometric mean of
+/// both.
 fn cuts_rays(axis: Axis) -> bool {
     matches!(axis, Axis::Reflection | Axis::Cutoff | Axis::Depth)
 }
 
-/// The product of all levels: times multiply (see [`cuts_rays`]), errors add at most.
+/// Returns the product of all levels. Times multiply (see [`cuts_rays`]); errors add at most.
 fn combinations(base: &Candidate, alone: &[Alone]) -> Vec<Predicted> {
     let first = Predicted {
         variant: base.variant,
@@ -286,7 +289,7 @@ fn combinations(base: &Candidate, alone: &[Alone]) -> Vec<Predicted> {
         max: base.max,
         squares: base.rmse * base.rmse,
     };
-    // Within the noise, no gain is believed in.
+    // A gain within the noise counts as none.
     let ratio = |a: &Alone| if (a.ratio - 1.0).abs() < CLOSE { 1.0 } else { a.ratio };
     let mut all = vec![first];
     for axis in Axis::ALL {
@@ -313,12 +316,12 @@ fn combinations(base: &Candidate, alone: &[Alone]) -> Vec<Predicted> {
     all
 }
 
-/// Those worth making, the best first.
+/// Returns the combinations worth rendering, the best first.
 fn promising(all: &[Predicted], wish: Wish) -> Vec<Predicted> {
     let mut sorted: Vec<Predicted> = all.to_vec();
     match wish {
         Wish::MaxError(e) => {
-            // Adding errors is a bound; what is a little beyond may hold all the same.
+            // Added errors are a bound, so combinations slightly beyond it may still keep it.
             sorted.retain(|p| p.max <= 2.0 * MARGIN * e);
             sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds).then(a.max.total_cmp(&b.max)));
         }
@@ -332,12 +335,12 @@ fn promising(all: &[Predicted], wish: Wish) -> Vec<Predicted> {
             }
         }
     }
-    // Variants that only differ where nothing is gained or lost say the same.
+    // Variants that differ only in levels without effect are equivalent.
     sorted.dedup_by(|a, b| a.seconds == b.seconds && a.max == b.max && a.squares == b.squares);
     sorted
 }
 
-/// The best that keeps the wish, or else comes nearest to it; and whether it keeps it.
+/// Returns the best candidate within the budget, or else the nearest to it, and true if it is within.
 fn best(tried: &[Candidate], wish: Wish) -> (&Candidate, bool) {
     let keeping = tried.iter().filter(|c| keeps(c, wish));
     let (best, fallback) = match wish {
@@ -353,7 +356,8 @@ fn best(tried: &[Candidate], wish: Wish) -> (&Candidate, bool) {
     (best.or(fallback).expect("the base is always tried"), best.is_some())
 }
 
-/// The best that keeps the wish, then ever more exact ones, and `f64` last. And whether the first one keeps it.
+/// Returns the best candidate within the budget, then ever more exact ones, and `f64` last. Also returns true if the
+/// first is within.
 fn ladder(tried: &[Candidate], double: Candidate, wish: Wish) -> (Vec<Candidate>, bool) {
     let (best, kept) = best(tried, wish);
     let mut ladder = vec![best.clone()];
@@ -365,7 +369,7 @@ fn ladder(tried: &[Candidate], double: Candidate, wish: Wish) -> (Vec<Candidate>
                 ladder.push(c.clone());
             }
         }
-        // The base, whatever the small picture says, and f64.
+        // The base, whatever the small picture shows, and f64.
         if let Some(base) = tried.first().filter(|b| ladder.iter().all(|c| c.variant != b.variant)) {
             ladder.push(base.clone());
         }
@@ -376,8 +380,8 @@ fn ladder(tried: &[Candidate], double: Candidate, wish: Wish) -> (Vec<Candidate>
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::Backend;
     use super::*;
+    use crate::accel::Backend;
     use crate::scene::Settings;
 
     fn candidate(level: Option<Level>, seconds: f64, max: f64) -> Candidate {
@@ -402,7 +406,7 @@ mod tests {
         assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (64, 2, false));
         let (ladder_, kept) = ladder(&tried, double.clone(), Wish::Time(Duration::from_secs(3)));
         assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (8, 1, true));
-        // A run that took half as long again: what is in time in the median alone is not taken.
+        // The slowest run took 1.5 times the median, so a candidate within the time only by its median is not chosen.
         let uneasy = tried.map(|c| Candidate { slowest: 1.5 * c.seconds, ..c });
         let (ladder_, kept) = ladder(&uneasy, double, Wish::Time(Duration::from_secs(3)));
         assert_eq!((ladder_[0].variant.depth, ladder_.len(), kept), (4, 1, true));
@@ -428,10 +432,10 @@ mod tests {
         let all = combinations(&base, &levels);
         assert_eq!(all.len(), 16);
         let last = all.iter().find(|p| p.variant.apart_from(&base.variant).len() == 4).unwrap();
-        // 0.25 is the least, 0.125 the product.
+        // 0.25 is the minimum, 0.125 the product.
         let seconds = 4.0 * 0.8 * (0.25_f64 * 0.125).sqrt();
         assert!((last.seconds - seconds).abs() < 1e-12 && (last.max - (1e-5 + 0.00099 + 2.0 * 0.00999)).abs() < 1e-9);
-        // Schlick gains nothing that can be told from noise, so that it is never preferred.
+        // Schlick's gain is within the noise, so it is never preferred.
         let best = promising(&all, Wish::MaxError(1.0));
         assert_eq!(best[0].variant.fresnel, FresnelModel::Exact);
     }

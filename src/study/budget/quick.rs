@@ -1,9 +1,8 @@
-//! Small pictures, quickly made and judged.
+//! Measurements on small pictures.
 
 use std::time::{Duration, Instant};
 
 use super::Candidate;
-use crate::Result;
 use crate::image::Film;
 use crate::render::Observer;
 use crate::render::reference::Prepared;
@@ -13,82 +12,83 @@ use crate::study::engine::Engine;
 use crate::study::errors::off;
 use crate::study::size::fit;
 use crate::study::variant::Variant;
+use crate::{Error, Result};
 
-/// Pixels of the picture that costs are estimated from, and the least and most of the small picture.
+/// Numbers of pixels: of the picture that costs are estimated from, and the smallest and largest of the small picture.
 const PIXELS: [f64; 3] = [300.0, 600.0, 2400.0];
 
-/// Seconds that its reference in `f64` may take.
+/// Largest time of its reference in `f64`, in seconds.
 const REFERENCE: f64 = 0.5;
 
-/// Pixels of the first picture that costs are estimated from, and the least of the small picture, where single pixels take
-/// long: with many panes of glass in a row, a pixel takes thousands of rays.
+/// Pixels of the first picture that costs are estimated from, and the smallest small picture, where single pixels take
+/// long. With many panes of glass in a row, a pixel takes thousands of rays.
 const FEW: f64 = 8.0;
 
-/// Seconds that pixels are asked about their condition, in all; what is not answered then counts as well-conditioned.
+/// Total seconds for condition tests; pixels not tested by then count as well-conditioned.
 const ASKING: f64 = 5.0;
 
-/// Renders that a time is the median of.
+/// Number of renders of which the median time is taken.
 const RUNS: usize = 3;
 
-/// Pixels that are asked about their condition; where more are off, the picture is wrong whatever they say.
+/// Largest number of pixels tested for their condition. If more are off, the picture is wrong in any case.
 const ASKED: usize = 24;
 
-/// A small picture's scene and reference.
+/// Scene and reference of a small picture.
 pub(super) struct Quick<'a> {
     small: Scene,
     judge: Scene,
     reference: Film,
     exact: Variant,
-    /// Rays of the whole picture for one of the small one.
+    /// Rays of the whole picture per ray of the small one.
     scale: f64,
     double_seconds: f64,
     threads: usize,
     observer: &'a Observer,
 }
 
-/// The same, ready to measure.
+/// Small picture, ready to measure variants.
 pub(super) struct Judged<'q> {
     quick: &'q Quick<'q>,
     engine: Engine<'q>,
     condition: Condition<'q>,
     tolerance: f64,
     base_seconds: Option<f64>,
-    /// Seconds that are left to ask pixels about their condition.
+    /// Seconds left for condition tests.
     asking: f64,
-    /// A pixel's time in the whole picture over that in the small one, where the work comes in shorter streams.
+    /// A pixel's time in the whole picture relative to the small one, where the work comes in shorter streams.
     economy: f64,
 }
 
-/// How many times as many rays the picture has, at least, that tells the [`Judged::economy`].
+/// Smallest ratio of rays of the picture that determines [`Judged::economy`].
 const LARGER: f64 = 16.0;
 
-/// Part of the wished time that it may take.
+/// Share of the allowed time that it may take.
 const OF_THE_TIME: f64 = 0.1;
 
 impl<'a> Quick<'a> {
-    /// A picture of the scene as small as `exact` can be rendered in a second or two.
+    /// Creates a picture of the scene so small that `exact` renders in a second or two.
     pub fn of(scene: &Scene, exact: &Variant, threads: usize, observer: &'a Observer) -> Result<Self> {
-        // One ray a pixel: the mean of several is off by no more than the worst of them.
+        // One ray per pixel: the mean of several rays is off by no more than the worst of them.
         let exact = Variant { samples: 1, ..*exact };
         let sized = |pixels: f64| {
-            let mut small = scene.clone();
+            let mut small = scene.try_clone()?;
             [small.settings.width, small.settings.height] = fit(&scene.settings, pixels);
-            small
+            Ok::<_, Error>(small)
         };
         let mut cost = f64::INFINITY;
         for probed in [FEW, PIXELS[0]] {
             if probed > FEW && probed * cost > 4.0 * REFERENCE {
                 break;
             }
-            let probe = sized(probed);
+            let probe = sized(probed)?;
             cost = Engine::new(&probe, threads).shoot(&exact, observer)?.seconds / pixels(&probe);
         }
         let wanted = (REFERENCE / cost.max(1e-12)).clamp(PIXELS[1], PIXELS[2]);
         let slow = wanted * cost > 8.0 * REFERENCE;
-        let small = sized(if slow { (0.5 * REFERENCE / cost).max(FEW) } else { wanted });
+        let small = sized(if slow { (0.5 * REFERENCE / cost).max(FEW) } else { wanted })?;
         let shot = Engine::new(&small, threads).shoot(&exact, observer)?;
         let samples = f64::from(scene.settings.samples);
-        let judge = Scene { settings: exact.settings(&small.settings), ..small.clone() };
+        let judge = Scene { settings: exact.settings(&small.settings), ..small.try_clone()? };
         Ok(Self {
             scale: pixels(scene) * samples * samples / pixels(&small),
             reference: shot.outcome.film,
@@ -101,7 +101,7 @@ impl<'a> Quick<'a> {
         })
     }
 
-    /// Makes ready to measure; pixels that move by more than `tolerance` by themselves are set apart.
+    /// Prepares for measuring. Pixels whose own value changes by more than `tolerance` count as ill-conditioned.
     pub fn judged<'q>(&'q self, tolerance: f64) -> Judged<'q> {
         let prepared = Prepared::new(&self.judge, self.exact.fresnel);
         Judged {
@@ -117,7 +117,7 @@ impl<'a> Quick<'a> {
 }
 
 impl Quick<'_> {
-    /// The largest channel of the reference.
+    /// Returns the largest channel of the reference.
     pub fn brightest(&self) -> f64 {
         let channels = self.reference.pixels.iter().flatten().filter(|v| v.is_finite());
         channels.fold(0.0, |most, v| f64::max(most, f64::from(v.abs())))
@@ -125,24 +125,24 @@ impl Quick<'_> {
 }
 
 impl Judged<'_> {
-    /// Columns and rows.
+    /// Returns columns and rows.
     pub fn size(&self) -> [u32; 2] {
         [self.quick.small.settings.width, self.quick.small.settings.height]
     }
 
-    /// Time of `f64` over that of what was measured first.
+    /// Returns the time of `f64` relative to the variant measured first.
     pub fn double_ratio(&self) -> f64 {
         self.base_seconds.map_or(10.0, |base| self.quick.double_seconds / base)
     }
 
-    /// Learns from a larger picture of `scene`, with all its rays a pixel, what a small one says too much or too little, from
-    /// here on; by what times measured until now are to be multiplied. The whole picture is wished for in `seconds`.
+    /// Corrects predictions by a larger picture of `scene` with all its rays per pixel. Returns the factor for times
+    /// measured so far. `seconds` is the allowed time of the whole picture.
     pub fn learn_from_larger(&mut self, scene: &Scene, of: &Candidate, seconds: f64) -> Result<f64> {
         let [whole, small] = [scene, &self.quick.small].map(pixels);
         let samples = scene.settings.samples;
         let least = small * LARGER / f64::from(samples * samples);
         let in_time = OF_THE_TIME * seconds * whole / of.seconds;
-        let mut larger = scene.clone();
+        let mut larger = scene.try_clone()?;
         [larger.settings.width, larger.settings.height] = fit(&scene.settings, in_time.max(least).min(whole));
         let engine = &mut Engine::new(&larger, self.quick.threads);
         let variant = Variant { samples, ..of.variant };
@@ -153,10 +153,10 @@ impl Judged<'_> {
         Ok(economy)
     }
 
-    /// Makes a variant's small picture, some times, and judges it.
+    /// Renders a variant's small picture several times and measures its time and error.
     pub fn measure(&mut self, variant: &Variant) -> Result<Candidate> {
         let small = Variant { samples: 1, ..*variant };
-        // One to build and to warm.
+        // The first render builds and warms up.
         let shot = self.engine.shoot(&small, self.quick.observer)?;
         let mut runs = [0.0; RUNS];
         for seconds in &mut runs {
@@ -170,7 +170,7 @@ impl Judged<'_> {
         Ok(Candidate { variant: *variant, seconds, slowest, max, rmse })
     }
 
-    /// Largest difference and root of the mean squared one, ill-conditioned pixels apart.
+    /// Returns the largest difference and the root mean square, excluding ill-conditioned pixels.
     fn judge(&mut self, film: &Film) -> Result<(f64, f64)> {
         let pairs = || film.pixels.iter().zip(&self.quick.reference.pixels);
         let mut beyond: Vec<(f64, usize)> =

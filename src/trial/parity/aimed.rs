@@ -1,4 +1,4 @@
-//! Rays aimed where paths are most likely to part: at edges, at corners and at the ends of their own intervals.
+//! Rays aimed where paths are most likely to differ: at edges, at corners and at the ends of their own intervals.
 
 use glam::Vec3;
 
@@ -7,8 +7,8 @@ use crate::geometry::{Geometry, Plane, Ray, Shape, Sphere, TriMesh};
 use crate::trial::random::Pcg32;
 use crate::trial::rays;
 
-/// Everything in a scene that has an edge or a corner to aim at. A sphere's edge is its outline and its corners are
-/// the six ends of its axes; a plane's edge is its horizon and its corner the point that it is given by.
+/// Edges and corners of a scene to aim at. A sphere's edge is its outline, and its corners are the six ends of its
+/// axes. A plane's edge is its horizon, and its corner the point that defines it.
 #[derive(Clone, Debug)]
 pub struct Targets<'a> {
     meshes: Vec<(&'a TriMesh, Vec<u32>)>,
@@ -19,7 +19,7 @@ pub struct Targets<'a> {
 }
 
 impl<'a> Targets<'a> {
-    /// Of what can be hit in `geometry`.
+    /// Collects the targets of the shapes in `geometry` that can be hit.
     #[must_use]
     pub fn new(geometry: &'a [Geometry]) -> Self {
         let (mut meshes, mut spheres, mut planes) = (Vec::new(), Vec::new(), Vec::new());
@@ -40,7 +40,7 @@ impl<'a> Targets<'a> {
         Self { meshes, spheres, planes, centre, size }
     }
 
-    /// Up to `count` rays at points of edges; the same for the same `seed`.
+    /// Returns up to `count` rays at points of edges; the same for the same `seed`.
     #[must_use]
     pub fn edges(&self, count: usize, seed: u64) -> Vec<Ray> {
         let mut random = Pcg32::new(seed, 2);
@@ -50,7 +50,7 @@ impl<'a> Targets<'a> {
                 p.lerp(q, random.unit())
             }
             Target::Sphere(s) => {
-                // Where the cone from `from` touches: nearer than the great circle across, by r^2 / d.
+                // The tangent cone from `from` touches nearer than the great circle across, by r^2 / d.
                 let away = (from - s.centre).as_dvec3();
                 let (d, r) = (away.length(), f64::from(s.radius));
                 let (axis, across) = (away / d, direction(random).as_dvec3());
@@ -67,7 +67,7 @@ impl<'a> Targets<'a> {
         self.rays(count, &mut random, aim)
     }
 
-    /// Up to `count` rays at corners; the same for the same `seed`.
+    /// Returns up to `count` rays at corners; the same for the same `seed`.
     #[must_use]
     pub fn vertices(&self, count: usize, seed: u64) -> Vec<Ray> {
         let mut random = Pcg32::new(seed, 3);
@@ -81,7 +81,8 @@ impl<'a> Targets<'a> {
         self.rays(count, &mut random, aim)
     }
 
-    /// From all around and from close by, some of them along an axis, of directions both raw and of unit length.
+    /// Returns rays from all around and from close by, some of them along an axis, of directions both raw and of unit
+    /// length.
     fn rays(&self, count: usize, random: &mut Pcg32, aim: impl Fn(Target, Vec3, &mut Pcg32) -> Vec3) -> Vec<Ray> {
         let mut rays = Vec::new();
         for k in 0..count {
@@ -111,7 +112,7 @@ impl<'a> Targets<'a> {
         rays
     }
 
-    /// Any triangle, sphere or plane, each as likely as any other.
+    /// Picks any triangle, sphere or plane, each with equal probability.
     fn pick(&self, random: &mut Pcg32) -> Option<Target> {
         let triangles: usize = self.meshes.iter().map(|(_, usable)| usable.len()).sum();
         let all = triangles + self.spheres.len() + self.planes.len();
@@ -130,7 +131,7 @@ impl<'a> Targets<'a> {
     }
 }
 
-/// One thing to aim at.
+/// Shape to aim at.
 #[derive(Clone, Copy, Debug)]
 enum Target {
     Triangle([Vec3; 3]),
@@ -138,8 +139,8 @@ enum Target {
     Plane(Plane),
 }
 
-/// Those of `rays` that meet something, over intervals that end or begin at the very `t` of what they meet, rounded to
-/// `f32`, or at the number below it, in turn.
+/// Returns those of `rays` that hit something, with intervals that end or begin at the `t` of the hit. It is rounded to
+/// `f32`, or the number below it, in turn.
 #[must_use]
 pub fn ends(reference: &Reference, rays: &[Ray]) -> Vec<Ray> {
     let met = rays.iter().map(|ray| (ray, reference.closest(&Ray64::from(ray)))).filter(|(_, hit)| hit.is_hit());
@@ -156,12 +157,12 @@ pub fn ends(reference: &Reference, rays: &[Ray]) -> Vec<Ray> {
         .collect()
 }
 
-/// In 0..n.
+/// Returns a random index in 0..n.
 fn below(random: &mut Pcg32, n: usize) -> usize {
     ((u64::from(random.draw()) * n as u64) >> 32) as usize
 }
 
-/// Of about unit length, none more likely than another.
+/// Returns a uniformly distributed direction of about unit length.
 fn direction(random: &mut Pcg32) -> Vec3 {
     loop {
         let p = Vec3::new(random.unit(), random.unit(), random.unit()) * 2.0 - 1.0;

@@ -6,11 +6,12 @@ use super::Id;
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::{Geometry, Hit, Ray, Shape, Spot};
 
-/// Directions closer to a surface than this cosine are left out: rounding may turn them to its other side.
+/// Smallest cosine to the surface; rounding may turn nearer directions to its other side.
 const LEAST_COSINE: f32 = 1e-5;
 
-/// The reflected ray and the one straight on for each of `rays`, of unit direction, that meets something. The second list
-/// has the primitive that each ray leaves and must not meet again: a triangle, a plane, or a sphere left outwards.
+/// Returns the reflected ray and the straight one for each of `rays`, of unit direction, that hits something. The
+/// second list holds the primitive that each ray leaves and must not hit again: a triangle, a plane, or a sphere left
+/// outwards.
 #[must_use]
 pub fn leaving(reference: &Reference, geometry: &[Geometry], rays: &[Ray]) -> (Vec<Ray>, Vec<Option<Id>>) {
     let met = rays.iter().map(|ray| (ray, reference.closest(&Ray64::from(ray)).to_f32(ray.t_min)));

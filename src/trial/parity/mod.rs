@@ -1,8 +1,8 @@
-//! Parity, ray by ray: what each contender answers to the same rays, judged by the arbiter.
+//! Parity, ray by ray: answers of each contender to the same rays, judged by the arbiter.
 //!
-//! An answer that differs from the `f64` one is *undecidable* where `f32` could not tell, for a reason and by a margin
-//! that are counted, or else it is *wrong*, in a way that has a name. Answers beyond an end of the ray's interval by no
-//! more than rounding are a class of their own, since Embree's modes differ there.
+//! An answer that differs from the `f64` one is *undecidable* if `f32` could not tell; cause and margin are counted.
+//! Otherwise it is *wrong*, with a named fault. Answers beyond an end of the ray's interval by no more than rounding
+//! are a separate class, since Embree's modes differ there.
 
 mod aimed;
 mod leaving;
@@ -25,32 +25,32 @@ use crate::simd::Mask8;
 /// Instance, geometry and primitive of a hit.
 pub type Id = (u32, u32, u32);
 
-/// Packets that one task takes on.
+/// Number of packets per task.
 const TASK: usize = 64;
 
-/// Wrong answers that are kept of each contender, query and set of rays.
+/// Number of wrong answers kept per contender, query and set of rays.
 const EXAMPLES: usize = 4;
 
-/// The two questions that an [`Intersector`] answers.
+/// Query of an [`Intersector`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Query {
-    /// Which hit is nearest.
+    /// Closest hit.
     Closest,
-    /// Whether there is any.
+    /// Occlusion.
     Occluded,
 }
 
-/// What a contender answers to a list of rays, one for one.
+/// Answers of a contender to a list of rays, in order.
 #[derive(Clone, Debug)]
 pub struct Answers {
-    /// Nearest hits.
+    /// Closest hits.
     pub hits: Vec<Hit>,
-    /// Whether anything is met.
+    /// True for each occluded ray.
     pub blocked: Vec<bool>,
 }
 
-/// Asks a contender about rays that share a mask, in parallel, both queries.
+/// Traces rays that share a mask by a contender, in parallel, with both queries.
 pub fn ask<I: Intersector>(of: &I, rays: &[Ray], coherence: Coherence) -> Answers {
     let packets = Ray8::pack(rays);
     let parts: Vec<(Vec<Hit8>, Vec<Mask8>)> = packets
@@ -69,33 +69,33 @@ pub fn ask<I: Intersector>(of: &I, rays: &[Ray], coherence: Coherence) -> Answer
     }
 }
 
-/// What came of one contender's answers to one query.
+/// Results of one contender for one query.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// How many answers are what.
+    /// Numbers of answers by verdict.
     pub tally: Tally,
-    /// Rays where the answer (the primitive, or whether there is any) is another one than the first contender's.
+    /// Number of rays whose answer (the primitive, or occlusion) differs from the first contender's.
     pub differs: u64,
-    /// Of those, the ones where neither of the two is wrong.
+    /// Number of these where neither answer is wrong.
     pub differs_undecidably: u64,
-    /// The first wrong answers.
+    /// First wrong answers.
     pub wrong: Vec<Wrong>,
 }
 
-/// A wrong answer.
+/// Wrong answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Wrong {
-    /// The ray.
+    /// Ray.
     pub ray: Ray,
-    /// What is wrong; none where the answer is off by no more than rounding at an end of the interval.
+    /// Fault; `None` if the answer is off by no more than rounding at an end of the interval.
     pub fault: Option<Fault>,
-    /// The answer; only whether it is a hit counts under [`Query::Occluded`].
+    /// Answer; under [`Query::Occluded`] only hit or miss counts.
     pub claim: Hit,
-    /// What `f64` finds.
+    /// Hit by the `f64` arbiter.
     pub truth: Hit64,
 }
 
-/// Both queries of one contender.
+/// Results of one contender for both queries.
 #[derive(Clone, Debug, Default)]
 pub struct Records {
     /// [`Query::Closest`].
@@ -105,7 +105,7 @@ pub struct Records {
 }
 
 impl Records {
-    /// Each with its query.
+    /// Returns each record with its query.
     pub fn each(&self) -> [(Query, &Record); 2] {
         [(Query::Closest, &self.closest), (Query::Occluded, &self.occluded)]
     }
@@ -130,8 +130,8 @@ impl Record {
     }
 }
 
-/// Judges what each contender answered to the rays of `set`. `done` is told of every batch of rays that is through; none comes
-/// back where `stop` was set meanwhile.
+/// Judges the answers of each contender to the rays of `set`. Calls `done` after each batch of rays. Returns `None` if
+/// `stop` is set meanwhile.
 pub fn judge(
     reference: &Reference,
     set: &Set,
@@ -151,7 +151,7 @@ pub fn judge(
         done(rays.len() as u64);
         Some(records)
     });
-    // In order, so that the examples are the same whoever was first.
+    // In order, so that the examples do not depend on which thread is first.
     let batches: Vec<_> = batches.collect::<Option<_>>()?;
     let mut sum = vec![Records::default(); answers.len()];
     for batch in batches {
@@ -163,7 +163,7 @@ pub fn judge(
     Some(sum)
 }
 
-/// Records each contender's answer to ray `k`, which must not meet `leaves` again.
+/// Records each contender's answer to ray `k`, which must not hit `leaves` again.
 fn one(case: &Examined, ray: &Ray, leaves: Option<Id>, answers: &[Answers], k: usize, records: &mut [Records]) {
     let mut first: Option<(Finding, Finding)> = None;
     for (a, record) in answers.iter().zip(records) {
@@ -181,7 +181,7 @@ fn one(case: &Examined, ray: &Ray, leaves: Option<Id>, answers: &[Answers], k: u
     }
 }
 
-/// The arbiter's verdict, with answers just beyond an end of the interval put apart.
+/// Returns the arbiter's verdict, with answers just beyond an end of the interval as a separate class.
 fn finding(case: &Examined, ray: &Ray, claim: &Hit) -> Finding {
     let verdict = case.judge(claim);
     if verdict != Verdict::Wrong(Fault::OutsideInterval) {

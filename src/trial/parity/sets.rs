@@ -1,4 +1,4 @@
-//! The sets of rays that contenders are asked about.
+//! Sets of rays for the comparison of contenders.
 
 use super::Id;
 use super::aimed::{Targets, ends};
@@ -8,26 +8,27 @@ use crate::accel::reference::Reference;
 use crate::geometry::{Geometry, Ray};
 use crate::trial::rays::{self, Picture, View};
 
-/// What aimed rays are drawn from; any number would do.
+/// Seed of the aimed rays; any number would do.
 const SEED: u64 = 1;
 
 /// Rays of one kind, which share a mask.
 #[derive(Clone, Debug)]
 pub struct Set {
-    /// The kind: a [`crate::trial::RayKind`], `edge`, `vertex` or `end` for those aimed at trouble, or `leaving` for those
-    /// started from a surface as the renderer starts them.
+    /// Name of the kind: a [`crate::trial::RayKind`]; `edge`, `vertex` or `end` for aimed rays; or `leaving` for rays
+    /// that start from a surface as the renderer starts them.
     pub name: &'static str,
-    /// What contenders are told of their order.
+    /// Coherence hint for contenders.
     pub coherence: Coherence,
-    /// The rays.
+    /// Rays.
     pub rays: Vec<Ray>,
-    /// The primitive that each ray leaves and must not meet again. Empty for kinds that are not checked for this.
+    /// Primitive that each ray leaves and must not hit again. Empty for kinds without this check.
     pub leaves: Vec<Option<Id>>,
 }
 
-/// About `count` rays of each kind at `geometry`, of which `reference` was built: those that pictures are made of as
-/// seen from `view`, then those aimed at edges, at corners, and at the ends of their own intervals, then those that leave
-/// a surface as the renderer's do. Of kinds that start from a surface there are fewer where fewer rays meet one.
+/// Creates about `count` rays of each kind at `geometry`, of which `reference` was built. First come the kinds that
+/// pictures consist of, seen from `view`. Then come rays aimed at edges, at corners, and at the ends of their own
+/// intervals, and rays that leave a surface by the renderer's rule. Kinds that start from a surface have fewer rays
+/// where fewer rays hit one.
 #[must_use]
 pub fn sets(reference: &Reference, geometry: &[Geometry], view: &View, count: usize) -> Vec<Set> {
     let edge = ((count as f64).sqrt().ceil() as u32).next_multiple_of(8).max(8);
@@ -35,7 +36,7 @@ pub fn sets(reference: &Reference, geometry: &[Geometry], view: &View, count: us
     let mut sets: Vec<Set> = kinds
         .iter()
         .map(|set| {
-            // Evenly thinned out in packets, so that what is left is as coherent as it was.
+            // Thinned out evenly by packets, so that coherence is preserved.
             let packets = set.count.div_ceil(8);
             let wanted = count.div_ceil(8).clamp(1, packets.max(1));
             let packets = (0..wanted.min(packets)).map(|k| k * packets / wanted);

@@ -1,11 +1,11 @@
-//! Counting findings.
+//! Counts of verdicts.
 
 use crate::accel::reference::{Cause, Fault, Verdict};
 
-/// Every cause, in the order of [`Tally::undecidable`].
+/// All causes, in the order of [`Tally::undecidable`].
 pub const CAUSES: [Cause; 5] = [Cause::Edge, Cause::Tie, Cause::Interval, Cause::Sliver, Cause::Crack];
 
-/// Every fault, in the order of [`Tally::wrong`].
+/// All faults, in the order of [`Tally::wrong`].
 pub const FAULTS: [Fault; 7] = [
     Fault::MissedHit,
     Fault::FalseHit,
@@ -16,7 +16,7 @@ pub const FAULTS: [Fault; 7] = [
     Fault::SelfHit,
 ];
 
-/// The name in reports.
+/// Returns the name used in reports.
 #[must_use]
 pub fn cause_name(cause: Cause) -> &'static str {
     match cause {
@@ -28,7 +28,7 @@ pub fn cause_name(cause: Cause) -> &'static str {
     }
 }
 
-/// The name in reports.
+/// Returns the name used in reports.
 #[must_use]
 pub fn fault_name(fault: Fault) -> &'static str {
     match fault {
@@ -42,27 +42,28 @@ pub fn fault_name(fault: Fault) -> &'static str {
     }
 }
 
-/// What an answer is found to be.
+/// Verdict on an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Finding {
-    /// What `f64` says.
+    /// Equal to the arbiter's answer.
     Agrees,
-    /// Another one, where `f32` could not tell; the distance from flipping over the bound on the error, at most 1.
+    /// Different where `f32` could not tell, with the distance from flipping relative to the bound on the error, at
+    /// most 1.
     Undecidable(Cause, f64),
-    /// A hit whose `t` lies at or outside an end of the interval, by no more than its rounding. The contract forbids it.
+    /// Hit whose `t` lies at or outside an end of the interval, by no more than its rounding. The contract forbids it.
     BeyondEnd,
-    /// Another one, where `f32` had to know better.
+    /// Different where `f32` could tell.
     Wrong(Fault),
 }
 
 impl Finding {
-    /// Whether the contract is broken.
+    /// Returns true if the answer breaks the contract.
     #[must_use]
     pub fn is_wrong(self) -> bool {
         matches!(self, Self::BeyondEnd | Self::Wrong(_))
     }
 
-    /// The fault that has a name.
+    /// Returns the fault of a wrong answer.
     #[must_use]
     pub fn fault(self) -> Option<Fault> {
         if let Self::Wrong(fault) = self { Some(fault) } else { None }
@@ -75,7 +76,7 @@ impl From<Verdict> for Finding {
             Verdict::Agrees => Self::Agrees,
             Verdict::Undecidable(cause, margin) => Self::Undecidable(
                 cause,
-                // Zero of zero is no distance at all, and nothing is far from an error without bound.
+                // 0 / 0 counts as distance 0, as does any distance under an unbounded error.
                 if margin.distance > 0.0 && margin.bound.is_finite() { margin.distance / margin.bound } else { 0.0 },
             ),
             Verdict::Wrong(fault) => Self::Wrong(fault),
@@ -83,25 +84,25 @@ impl From<Verdict> for Finding {
     }
 }
 
-/// Answers by what they were found to be.
+/// Numbers of answers by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// All of them.
+    /// All answers.
     pub answers: u64,
-    /// The same as the arbiter's.
+    /// Answers equal to the arbiter's.
     pub agree: u64,
-    /// Undecidable, by cause: [`CAUSES`].
+    /// Undecidable answers, in the order of [`CAUSES`].
     pub undecidable: [u64; 5],
-    /// At or just outside an end of the interval.
+    /// Hits at or just outside an end of the interval.
     pub beyond_end: u64,
-    /// Wrong, by fault: [`FAULTS`].
+    /// Wrong answers, in the order of [`FAULTS`].
     pub wrong: [u64; 7],
-    /// Over the undecidable ones, the largest distance from flipping in parts of its bound; at most 1.
+    /// Largest distance from flipping among undecidable answers, relative to its bound; at most 1.
     pub largest_margin: f64,
 }
 
 impl Tally {
-    /// Counts one more.
+    /// Counts one answer.
     pub fn add(&mut self, finding: Finding) {
         self.answers += 1;
         match finding {
@@ -125,19 +126,19 @@ impl Tally {
         self.largest_margin = self.largest_margin.max(o.largest_margin);
     }
 
-    /// Undecidable answers of every cause.
+    /// Returns the number of undecidable answers.
     #[must_use]
     pub fn all_undecidable(&self) -> u64 {
         self.undecidable.iter().sum()
     }
 
-    /// Wrong answers of every fault; those beyond an end by a rounding are not among them.
+    /// Returns the number of wrong answers, excluding those beyond an end by a rounding.
     #[must_use]
     pub fn all_wrong(&self) -> u64 {
         self.wrong.iter().sum()
     }
 
-    /// Answers that break the contract: wrong, or beyond an end.
+    /// Returns the number of answers that break the contract: wrong, or beyond an end.
     #[must_use]
     pub fn broken(&self) -> u64 {
         self.all_wrong() + self.beyond_end

@@ -1,5 +1,5 @@
-//! Trees over garbage: any bits as coordinates, indices at random. Nothing panics, what cannot be hit is counted, and
-//! the tree is sound; and what a tree of ordinary triangles weighs.
+//! Hierarchies over garbage: any bits as coordinates, random indices. Nothing may panic, geometry that cannot be hit
+//! must be counted, and the hierarchy must be valid. Also reports the size of a hierarchy of ordinary triangles.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -15,7 +15,7 @@ use crate::geometry::{Geometry, GeometryMask, Ray, Shape, Sphere, TriMesh};
 
 pub(super) const BATCHES: usize = 20;
 
-/// Meshes of a scene.
+/// Number of meshes per scene.
 const MESHES: usize = 20;
 
 pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
@@ -30,7 +30,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
         let all: usize = geometry.iter().map(triangles).sum();
         let usable: usize = geometry.iter().map(usable).sum();
         let rays: Vec<Ray> = (0..64).map(|_| any_ray(&mut rng)).collect();
-        // A panic is what is looked for; its message has gone to standard error.
+        // Panics are caught and reported; their messages have gone to standard error.
         let built = catch_unwind(AssertUnwindSafe(|| -> Result<_> {
             let ways = candidate.build(&geometry)?;
             let mut scratch = <C::Accel as Intersector>::Scratch::default();
@@ -65,7 +65,7 @@ fn usable(g: &Geometry) -> usize {
     }
 }
 
-/// A mesh of any bits, or one in eight times a sphere; half of the meshes of coordinates that are at least small.
+/// Creates a mesh of arbitrary bits, or, one time in eight, a sphere. Half of the meshes have small coordinates.
 fn garbage(rng: &mut Rng) -> Geometry {
     if rng.below(8) == 0 {
         let centre = Vec3::new(rng.awkward(), rng.awkward(), rng.awkward());
@@ -97,8 +97,8 @@ fn any_ray(rng: &mut Rng) -> Ray {
     ray
 }
 
-/// Bytes a triangle of a rolling plain of 32 768. Reported, and held against no bound: what one path counts is not
-/// what another does.
+/// Reports the bytes per triangle for a hilly surface of 32 768 triangles. There is no bound, since back ends count
+/// differently.
 fn weight<C: Candidate>(candidate: &C, tally: &mut Tally) -> Result<()> {
     const N: u32 = 128;
     let height = |x: f32, z: f32| 0.05 * (9.0 * x).sin() * (7.0 * z).cos();

@@ -1,11 +1,11 @@
-//! Light through long chains of reflections, in a world as bright as 1 everywhere and with nothing that absorbs: what
-//! arrives at a pixel and the weight that was cut on the way must make up 1.
+//! Energy conservation over long chains of reflections, in a world of radiance 1 without absorption. The light that
+//! arrives at a pixel and the truncated weight must sum to 1.
 
 use glam::Vec3;
 
 use super::{Candidate, Plan, Tally};
 use crate::Result;
-use crate::geometry::{Geometry, GeometryMask, Shape, Sphere, TriMesh};
+use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
 use crate::render::{Observer, Options, render};
 use crate::scene::{
     Camera, Dispersion, Environment, FresnelRule, Interface, Material, Medium, MirrorSource, Object, Origin,
@@ -14,10 +14,10 @@ use crate::scene::{
 
 pub(super) const BATCHES: usize = 6;
 
-/// Light that may be lost or gained, of 1.
+/// Largest light lost or gained, of 1.
 const BOUND: f64 = 1e-5;
 
-/// Shells of the onion.
+/// Number of shells of the onion.
 const SHELLS: u16 = 100;
 
 pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
@@ -34,7 +34,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
     let ways = candidate.build(&scene.geometry)?;
     let mut tally = Tally::default();
     for way in &ways {
-        // One thread: the batches are what is spread over them.
+        // One thread per picture, because the batches are spread over threads.
         let outcome = render(&scene, &way.accel, &Options { threads: 1, ..Options::default() }, &Observer::default())?;
         for (k, (arrived, cut)) in outcome.film.pixels.iter().zip(&outcome.truncated.pixels).enumerate() {
             let off = (0..3)
@@ -53,7 +53,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
     Ok(tally)
 }
 
-/// Nothing but a bright world, seen from `eye`.
+/// Returns an empty world of radiance 1, seen from `eye`.
 fn world(eye: Vec3, target: Vec3, depth: u32, cutoff: f32) -> Scene {
     Scene {
         media: vec![Medium::air()],
@@ -66,7 +66,7 @@ fn world(eye: Vec3, target: Vec3, depth: u32, cutoff: f32) -> Scene {
 
 fn add(scene: &mut Scene, shape: Shape, interface: Interface) {
     let material = Material { interface, ..Material::black("bare") };
-    let mask = if material.is_transmissive() { GeometryMask::TRANSMISSIVE } else { GeometryMask::OPAQUE };
+    let mask = material.mask();
     scene.geometry.push(Geometry { shape, mask });
     scene.objects.push(Object {
         name: String::from("bare"),
@@ -76,7 +76,7 @@ fn add(scene: &mut Scene, shape: Shape, interface: Interface) {
     scene.materials.push(material);
 }
 
-/// A clear shape of an index.
+/// Adds a transparent shape with an index.
 fn clear(scene: &mut Scene, shape: Shape, ior: f64, priority: i32) {
     scene.media.push(Medium {
         name: String::from("clear"),
@@ -89,7 +89,7 @@ fn clear(scene: &mut Scene, shape: Shape, ior: f64, priority: i32) {
     add(scene, shape, Interface::Dielectric { medium, rule: FresnelRule::Fresnel, tint: Rgb::ONE });
 }
 
-/// A box of twelve triangles, counter-clockwise seen from outside.
+/// Returns a box of twelve triangles, counter-clockwise seen from outside.
 fn cuboid(lo: Vec3, hi: Vec3) -> Shape {
     let corner = |i: u32| {
         Vec3::new(
@@ -103,14 +103,14 @@ fn cuboid(lo: Vec3, hi: Vec3) -> Shape {
     Shape::Mesh(TriMesh { positions: (0..8).map(corner).collect(), triangles, ..TriMesh::default() })
 }
 
-/// The eye in a cube of diamond: what does not leave at the first faces goes round until its depth ends.
+/// The eye inside a cube of diamond: light that does not leave at the first faces circulates until its depth ends.
 fn cube() -> Scene {
     let mut scene = world(Vec3::new(0.1, -0.2, 0.15), Vec3::new(1.0, 0.83, 0.47), 64, 1e-4);
     clear(&mut scene, cuboid(Vec3::splat(-1.0), Vec3::ONE), 2.42, 0);
     scene
 }
 
-/// Balls in balls, glass and water in turn, an inner one filling space before an outer.
+/// Nested balls of glass and water in turn; an inner one has priority over an outer.
 fn onion() -> Scene {
     let mut scene = world(Vec3::new(0.2, 0.1, 3.0), Vec3::ZERO, 400, 1e-2);
     for k in 0..SHELLS {
@@ -121,7 +121,7 @@ fn onion() -> Scene {
     scene
 }
 
-/// Two perfect mirrors face to face, the eye between them.
+/// Two perfect mirrors face to face, with the eye between them.
 fn mirrors() -> Scene {
     let mut scene = world(Vec3::new(0.1, 0.2, 0.0), Vec3::new(0.12, 0.21, -1.0), 64, 0.0);
     for (lo, hi) in [(-1.1, -1.0), (1.0, 1.1)] {

@@ -1,4 +1,4 @@
-//! Unpolarised reflectance, eight cosines at a time as the renderer asks for it, against the oracle.
+//! Unpolarised reflectance in eight lanes, as the renderer computes it, against the oracle.
 
 use super::sample::Rng;
 use super::{Plan, Tally};
@@ -8,8 +8,8 @@ use crate::simd::F32x8;
 
 const ULP: f64 = f32::EPSILON as f64;
 
-/// Pairs of indices that the optics are tried on, incident before transmitted: on the way in and out of glass, water and
-/// diamond, between glass and water, and all but equal ones.
+/// Pairs of indices, incident before transmitted: into and out of glass, water and diamond, between glass and water,
+/// and nearly equal ones.
 pub const INDEX_PAIRS: [(f64, f64); 12] = [
     (1.0, 1.5),
     (1.5, 1.0),
@@ -25,21 +25,22 @@ pub const INDEX_PAIRS: [(f64, f64); 12] = [
     (1.0 + ULP, 1.0),
 ];
 
-/// Batches that a pair of indices is spread over.
+/// Number of batches per pair of indices.
 const PARTS: usize = 4;
 
-/// The stated relative error. Without fused products `cos_i^2` is rounded before the critical cosine is taken from it.
+/// Returns the documented relative error. Without fused multiply-add, `cos_i^2` is rounded before the critical cosine
+/// is subtracted.
 pub(super) fn bound(past_critical: f64) -> f64 {
     if FUSED { 1.2e-6 } else { 1.2e-6 + 4e-7 / past_critical.max(1e-7).sqrt() }
 }
 
-/// The cosine below which all light is reflected; 0 where there is none.
+/// Returns the cosine below which reflection is total, or 0 if it never is.
 pub(super) fn critical_cosine(n1: f64, n2: f64) -> f64 {
     let sine = n2 / n1;
     if sine < 1.0 { (1.0 - sine * sine).sqrt() } else { 0.0 }
 }
 
-/// A cosine from one of four crowds: all angles, near normal, grazing, near critical.
+/// Returns a cosine from one of four distributions: all angles, near normal, grazing, near critical.
 pub(super) fn cosine(rng: &mut Rng, critical: f64) -> f32 {
     let small = 10.0_f64.powf(rng.between(-8.0, -3.0));
     let c = match rng.below(4) {

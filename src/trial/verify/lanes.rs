@@ -1,24 +1,24 @@
-//! Lanes keep to themselves: every mask of active lanes, beside every kind of spoilt number, in every octant; and rays
+//! Independence of lanes: every mask of active lanes, beside every kind of poisoned number, in every octant; and rays
 //! in any order.
 
 use glam::{DVec3, Vec3};
 
 use super::meshes::{Closed, opaque, unit};
 use super::sample::Rng;
-use super::{Candidate, Plan, Tally, Way};
+use super::{Candidate, NamedAccel, Plan, Tally};
 use crate::Result;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, Sphere};
 use crate::simd::Mask8;
 use crate::trial::shown;
 
-/// Eight octants and one batch with all of them in each packet, then orders of rays.
+/// Eight octants and one batch with all octants in each packet, then orders of rays.
 pub(super) const BATCHES: usize = 9 + ORDERS;
 const ORDERS: usize = 7;
 
 const POISONS: [f32; 7] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, 1e-45, f32::MAX];
 
-/// What inactive lanes hold before, and must hold after.
+/// Content of inactive lanes before and after a query.
 const MARK: Hit = Hit { t: -7.5, u: 0.125, v: 3.0, instance: 9, geometry: 77, primitive: 78 };
 
 pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
@@ -42,9 +42,9 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
     Ok(tally)
 }
 
-/// How answers are compared.
+/// Comparison of answers.
 struct Judge {
-    /// To the bit; else to rounding.
+    /// True to compare bits; false to allow rounding.
     exact: bool,
 }
 
@@ -72,7 +72,7 @@ fn still_life() -> Vec<Geometry> {
     ]
 }
 
-/// A ray that runs into an octant, towards the scene, some with an end of their own.
+/// Returns a ray into an octant, towards the scene; some rays have an end of their own.
 fn towards(rng: &mut Rng, octant: usize) -> Ray {
     let sign = DVec3::new(
         if octant & 1 == 0 { 1.0 } else { -1.0 },
@@ -94,8 +94,8 @@ fn spoil(packet: &mut Ray8, lane: usize, poison: f32) {
     packet.t_max.set_lane(lane, poison);
 }
 
-/// All masks but the empty one: inactive lanes are spoilt, and one active lane at a time.
-fn masks<I: Intersector>(way: &Way<I>, rays: &[Ray; 8], judge: &Judge, tally: &mut Tally) {
+/// Tests all masks but the empty one. Inactive lanes are poisoned, and one active lane at a time.
+fn masks<I: Intersector>(way: &NamedAccel<I>, rays: &[Ray; 8], judge: &Judge, tally: &mut Tally) {
     let mut scratch = I::Scratch::default();
     let (want, want_blocked) = (way.closest(rays, &mut scratch), way.occluded(rays, &mut scratch));
     let full = Ray8::pack(rays)[0];
@@ -106,7 +106,7 @@ fn masks<I: Intersector>(way: &Way<I>, rays: &[Ray; 8], judge: &Judge, tally: &m
             for lane in (0..8).filter(|lane| active >> lane & 1 == 0) {
                 spoil(&mut packet, lane, poison);
             }
-            // Among more than one active lane, one holds a ray that can meet nothing.
+            // With more than one active lane, one holds a ray that cannot hit anything.
             let bad = (active.count_ones() > 1 && p < 4).then(|| active.trailing_zeros() as usize);
             if let Some(lane) = bad {
                 packet.dir.set_lane(lane, Vec3::splat(poison * 0.0));
@@ -133,8 +133,8 @@ fn masks<I: Intersector>(way: &Way<I>, rays: &[Ray; 8], judge: &Judge, tally: &m
     }
 }
 
-/// The same rays in other orders, alone, and by the other ways.
-fn orders<I: Intersector>(ways: &[Way<I>], rng: &mut Rng, judge: &Judge, tally: &mut Tally) {
+/// Traces the same rays in other orders, alone, and by the other traversals.
+fn orders<I: Intersector>(ways: &[NamedAccel<I>], rng: &mut Rng, judge: &Judge, tally: &mut Tally) {
     let mut scratch = I::Scratch::default();
     let rays: Vec<Ray> = (0..1600).map(|k| towards(rng, k * 5 % 8)).collect();
     let want = ways[0].closest(&rays, &mut scratch);

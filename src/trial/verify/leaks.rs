@@ -1,5 +1,5 @@
 //! Rays from inside closed meshes: a third exactly at corners, a third exactly at points of edges, a third anywhere.
-//! None may come out without a hit.
+//! None may leave without a hit.
 
 use glam::{DVec3, Vec3};
 
@@ -13,10 +13,10 @@ use crate::trial::shown;
 
 pub(super) const MESHES: [Closed; 5] = [Closed::Ball, Closed::Bumpy, Closed::Crumpled, Closed::Spindle, Closed::Cube];
 
-/// How far from the middle rays start, in half extents: well inside each mesh, wherever rounding put its corners.
+/// Distance of ray origins from the middle, in half extents: well inside each mesh, however its corners were rounded.
 const SPREAD: f64 = 0.25;
 
-/// Rays traced together.
+/// Number of rays traced together.
 const CHUNK: usize = 4096;
 
 pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i: usize) -> Result<Tally> {
@@ -52,7 +52,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i:
     Ok(tally)
 }
 
-/// The next ray; `k` counts the kinds round.
+/// Returns the next ray; `k` cycles through the kinds.
 fn ray(rng: &mut Rng, pair: &Pair, edges: &[Vec3], k: &mut usize) -> Ray {
     *k += 1;
     let targets = match *k % 3 {
@@ -61,7 +61,7 @@ fn ray(rng: &mut Rng, pair: &Pair, edges: &[Vec3], k: &mut usize) -> Ray {
         _ => &[][..],
     };
     let spread = pair.half * SPREAD;
-    // Only starts from which the way to the target is exact will do; another target has them where this one does not.
+    // Only origins from which the direction to the target is exact are used; another target may have one.
     let aimed = (0..if targets.is_empty() { 0 } else { 256 }).find_map(|_| {
         let target = targets[rng.below(targets.len())];
         let start = exact_start(rng, target, pair.centre, spread)?;
@@ -73,7 +73,7 @@ fn ray(rng: &mut Rng, pair: &Pair, edges: &[Vec3], k: &mut usize) -> Ray {
     })
 }
 
-/// Whether `start`, rounded, is still well inside.
+/// Returns true if `start`, rounded, is still well inside.
 fn inside(pair: &Pair, start: Vec3) -> bool {
     let off = (start.as_dvec3() - pair.centre) / pair.half;
     off.abs().cmple(DVec3::splat(SPREAD + 0.02)).all()

@@ -1,4 +1,4 @@
-//! What is exact in the optics: equal indices, the split of light, and one lane beside eight.
+//! Exact properties of the optics: equal indices, division of light, and one lane against eight.
 
 use super::fresnel::{INDEX_PAIRS, cosine, critical_cosine};
 use super::sample::Rng;
@@ -25,7 +25,7 @@ fn bits(v: Vector3<f32>) -> [u32; 3] {
     [v.x, v.y, v.z].map(f32::to_bits)
 }
 
-/// No light is reflected and none is bent, grazing and normal incidence included.
+/// Tests that equal indices reflect and bend no light, at grazing and normal incidence, too.
 fn equal_indices(rng: &mut Rng, tally: &mut Tally) {
     let ior = 10.0_f64.powf(rng.between(-1.0, 1.0));
     let boundary = Boundary::<f32>::new(ior, ior);
@@ -42,7 +42,7 @@ fn equal_indices(rng: &mut Rng, tally: &mut Tally) {
     }
 }
 
-/// `R + (1 - R)` is 1 to the bit, for every formula: what is not reflected goes through.
+/// Tests that `R + (1 - R)` is 1 to the bit for every formula: light that is not reflected is transmitted.
 fn split(rng: &mut Rng, tally: &mut Tally) {
     let (n1, n2) = INDEX_PAIRS[rng.below(INDEX_PAIRS.len())];
     let boundary = Boundary::<F32x8>::new(n1, n2);
@@ -59,7 +59,7 @@ fn split(rng: &mut Rng, tally: &mut Tally) {
     }
 }
 
-/// What the formulas say of one ray, as numbers.
+/// Returns the results of the formulas for one ray as numbers.
 fn answers<R: Real>(boundary: &Boundary<R>, incident: Vector3<R>, normal: Vector3<R>) -> [R; 10] {
     let at = boundary.cross(-incident.dot(normal));
     let (t, r) = (boundary.refract(incident, normal, &at), reflect(incident, normal));
@@ -68,7 +68,7 @@ fn answers<R: Real>(boundary: &Boundary<R>, incident: Vector3<R>, normal: Vector
     [t.x, t.y, t.z, r.x, r.y, r.z, total, at.cos_t, share[0], share[1]]
 }
 
-/// Each of eight lanes gives the bits of the scalar, with spoilt numbers in some of them.
+/// Tests that each of eight lanes gives the bits of the scalar formula, with poisoned numbers in some lanes.
 fn one_and_eight(rng: &mut Rng, tally: &mut Tally) {
     let (n1, n2) = INDEX_PAIRS[rng.below(INDEX_PAIRS.len())];
     let (mut incident, mut normal) = (Vec3x8::splat(glam::Vec3::X), Vec3x8::splat(glam::Vec3::X));

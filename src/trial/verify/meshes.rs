@@ -1,4 +1,4 @@
-//! Closed meshes at every size and place, and odd ones.
+//! Closed meshes at every size and position, and odd meshes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,25 +8,25 @@ use super::sample::Rng;
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 use crate::math::ulp;
 
-/// Closed meshes whose every point is seen from anywhere near their middle.
+/// Closed mesh of which every point is visible from near its middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Closed {
-    /// 24 slices and stacks; two corners of valence 24.
+    /// Sphere of 24 slices and stacks, with two corners of valence 24.
     Ball,
-    /// The same, its radius waving by a fifth.
+    /// Sphere whose radius waves by a fifth.
     Bumpy,
-    /// The same, its radius anything from 0.6 to 1: ridges and hollows.
+    /// Sphere with random radii from 0.6 to 1: ridges and hollows.
     Crumpled,
-    /// A ball drawn out to a hundred times its thickness: needles.
+    /// Sphere stretched to a hundred times its thickness: needles.
     Spindle,
-    /// A cube of 6 by 8 by 8 squares, flat faces.
+    /// Cube with flat faces of 6 by 8 by 8 squares.
     Cube,
 }
 
-/// Times each mesh is scaled.
+/// Scales of each mesh.
 const SCALES: [f64; 7] = [1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3];
 
-/// Where each mesh is put. The last place is that of Embree's own watertightness test.
+/// Positions of each mesh. The last one is that of Embree's own watertightness test.
 const OFFSETS: [[f64; 3]; 6] = [
     [0.0, 0.0, 0.0],
     [1.0, -0.7, 0.3],
@@ -36,24 +36,24 @@ const OFFSETS: [[f64; 3]; 6] = [
     [148_376.0, 1_234.0, -223_423.0],
 ];
 
-/// Spacings of `f32` that a mesh must still span to be more than rounding.
+/// Smallest extent of a mesh in spacings of `f32`, below which it is mostly rounding.
 const LEAST_SPAN: f32 = 256.0;
 
-/// A mesh in its place.
+/// Mesh at its position.
 pub(super) struct Pair {
-    /// The mesh.
+    /// Mesh.
     pub mesh: TriMesh,
-    /// Where its middle is.
+    /// Middle of the mesh.
     pub centre: DVec3,
-    /// Half its extent along each axis.
+    /// Half extent along each axis.
     pub half: DVec3,
-    /// Its shape, scale and place, for messages.
+    /// Shape, scale and position, for messages.
     pub name: String,
-    /// Its shape.
+    /// Shape.
     pub shape: Closed,
 }
 
-/// Every mesh at every scale and place where it spans enough of the numbers there.
+/// Returns every mesh at every scale and position where it spans enough `f32` numbers.
 pub(super) fn pairs(shapes: &[Closed]) -> Vec<Pair> {
     let mut pairs = Vec::new();
     for &shape in shapes {
@@ -76,7 +76,7 @@ pub(super) fn pairs(shapes: &[Closed]) -> Vec<Pair> {
 }
 
 const N: u32 = 24;
-/// Squares along an edge of the cube.
+/// Number of squares along an edge of the cube.
 const SQUARES: u32 = 8;
 
 fn closed(shape: Closed) -> Vec<DVec3> {
@@ -126,7 +126,7 @@ fn faces(shape: Closed) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Corners on a lattice, so that faces share those of their edges.
+/// Returns corners on a lattice, so that faces share the corners of their edges.
 fn cube() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut corners = std::collections::HashMap::new();
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
@@ -156,7 +156,7 @@ fn cube() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (positions, triangles)
 }
 
-/// Points that lie exactly on an edge: the halves and quarters of edges where `f32` has them.
+/// Returns points that lie exactly on an edge: halves and quarters of edges that `f32` represents.
 pub(super) fn exact_edge_points(mesh: &TriMesh) -> Vec<Vec3> {
     let mut points = Vec::new();
     for triangle in &mesh.triangles {
@@ -173,19 +173,19 @@ pub(super) fn exact_edge_points(mesh: &TriMesh) -> Vec<Vec3> {
     points
 }
 
-/// A mesh that every ray sees.
+/// Returns a mesh that every ray can hit.
 pub(super) fn opaque(mesh: TriMesh) -> Geometry {
     Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }
 }
 
-/// A mesh of separate triangles.
+/// Returns a mesh of separate triangles.
 pub(super) fn of_triangles(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> TriMesh {
     let positions: Vec<Vec3> = triangles.into_iter().flatten().collect();
     let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     TriMesh { positions, triangles, ..TriMesh::default() }
 }
 
-/// A closed mesh of size 1 at the origin.
+/// Returns a closed mesh of size 1 at the origin.
 pub(super) fn unit(shape: Closed) -> TriMesh {
     let positions = closed(shape).into_iter().map(DVec3::as_vec3).collect();
     TriMesh { positions, triangles: faces(shape), ..TriMesh::default() }

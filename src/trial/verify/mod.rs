@@ -1,8 +1,8 @@
-//! The hard cases, fired at this machine: does each path lose no ray, meet no surface twice, keep its bits whatever
-//! the company, and do the optics keep the bounds that they state?
+//! Hard cases run on this machine. Back ends must lose no ray, hit no surface twice, and give the same bits in any
+//! packet. The optics must keep their documented bounds.
 //!
-//! Every group is a number of batches, each with a random stream of its own, so that the outcome does not depend on
-//! the number of threads.
+//! Every group is a number of batches with a random stream each, so that the result does not depend on the number of
+//! threads.
 
 mod builds;
 mod candidate;
@@ -27,9 +27,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-#[cfg(feature = "embree")]
-pub use candidate::EmbreePath;
-pub use candidate::{Candidate, Held, NativePath, Way};
+pub use candidate::{Candidate, NamedAccel, UnderTest};
 pub use fresnel::INDEX_PAIRS;
 pub use group::Group;
 pub use scene::fire as fire_at_scene;
@@ -39,65 +37,66 @@ pub use trouble::{Kind, Place, Trouble, Troubles, find as find_trouble};
 use crate::render::Observer;
 use crate::{Error, Result};
 
-/// What is to be run.
+/// Selection of test cases.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The groups, in the order wanted.
+    /// Groups, in the requested order.
     pub groups: Vec<Group>,
-    /// All the cases of the promise, minutes of work, instead of a sample of them.
+    /// True for all documented cases, minutes of work; false for a sample of them.
     pub full: bool,
-    /// Rays of each group that is fired at a scene; none for the usual number.
+    /// Number of rays of each group that runs on a scene; `None` for the usual number.
     pub rays: Option<u64>,
 }
 
 impl Plan {
-    /// A sample of every group, some seconds of work.
+    /// Returns a sample of every group, some seconds of work.
     #[must_use]
     pub fn quick() -> Self {
-        Self { groups: Group::ALL.to_vec(), full: false, rays: None }
+        Self { groups: Group::OF_NO_SCENE.to_vec(), full: false, rays: None }
     }
 
-    /// `full` cases, or of the quick run so many.
+    /// Returns the number of cases: `full` or `quick`.
     fn sized(&self, full: u64, quick: u64) -> u64 {
         if self.full { full } else { quick }
     }
 
-    /// What [`Observer::pixels_done`] comes to over a run with so many paths: parts of the work, in no unit.
+    /// Returns the final value of [`Observer::pixels_done`] for a run with this many back ends: parts of the work,
+    /// without unit.
     #[must_use]
     pub fn parts(&self, paths: usize) -> u64 {
         self.groups.iter().map(|g| if g.is_of_path() { PARTS * paths as u64 } else { PARTS }).sum()
     }
 }
 
-/// Parts of the work that a group counts as in a progress bar.
+/// Number of parts per group in a progress bar.
 pub(crate) const PARTS: u64 = 1000;
 
-/// What became of one group.
+/// Result of one group.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// The group.
+    /// Group.
     pub group: Group,
-    /// The path it was tried on; none where the group is of formulas alone.
+    /// Back end; `None` for a group of formulas.
     pub path: Option<&'static str>,
-    /// Cases, failures, the worst figure.
+    /// Cases, failures and the worst figure.
     pub tally: Tally,
     /// Wall time.
     pub time: Duration,
 }
 
 impl Finding {
-    /// Returns true if nothing fell short, in at least one case. Where work was bounded so soon that there was none, the
-    /// rays that were left out are told instead.
+    /// Returns true if no case failed and there was at least one. If the work limit left no case, the rays left out are
+    /// reported instead.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.tally.failures == 0 && (self.tally.cases > 0 || self.tally.left_out > 0)
     }
 }
 
-/// Runs the planned groups that are about formulas and concern no path.
+/// Runs the selected groups that test formulas alone.
 ///
 /// # Errors
-/// [`Error::Interrupted`] soon after `observer.stop` is set.
+/// Returns [`Error::Interrupted`] soon after `observer.stop` is set.
 pub fn fire_at_optics(plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| !g.is_of_path()) {
@@ -115,10 +114,10 @@ pub fn fire_at_optics(plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> 
     Ok(findings)
 }
 
-/// Runs the planned groups that are about a path.
+/// Runs the selected groups that test a back end.
 ///
 /// # Errors
-/// As [`fire_at_optics`]; what building the path comes to.
+/// Fails as [`fire_at_optics`] does, or if the back end cannot be built.
 pub fn fire_at_path<C: Candidate>(candidate: &C, plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| g.is_of_path()) {
@@ -144,19 +143,19 @@ pub fn fire_at_path<C: Candidate>(candidate: &C, plan: &Plan, observer: &Observe
     Ok(findings)
 }
 
-/// Takes the time of a group.
+/// Measures the time of a group.
 fn timed(group: Group, path: Option<&'static str>, work: impl FnOnce() -> Result<Tally>) -> Result<Finding> {
     let start = Instant::now();
     let tally = work()?;
     Ok(Finding { group, path, tally, time: start.elapsed() })
 }
 
-/// Runs batches on all threads and sums them in their order.
+/// Runs batches on all threads and sums their results in order.
 fn in_batches(batches: usize, observer: &Observer, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)) -> Result<Tally> {
     let done = AtomicU64::new(0);
     let tallies: Vec<Tally> = (0..batches)
         .into_par_iter()
-        // Some take a hundred times as long as others, so that each must be there to be taken by whoever is idle.
+        // Some batches take a hundred times as long as others, so each is a task that an idle thread can take.
         .with_max_len(1)
         .map(|i| {
             if observer.stop.load(Ordering::Relaxed) {

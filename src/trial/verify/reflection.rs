@@ -1,4 +1,4 @@
-//! The mirror direction against the same formula in many digits, at all angles, near the normal and grazing.
+//! Mirror direction against the same formula with many digits, at all angles, near the normal and grazing.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,7 +6,7 @@ use super::sample::Rng;
 use super::{Plan, Tally};
 use crate::optics::{oracle, reflect};
 
-/// Radians.
+/// Largest error in radians.
 const BOUND: f64 = 3e-7;
 
 pub(super) const BATCHES: usize = 16;

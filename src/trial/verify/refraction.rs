@@ -1,5 +1,5 @@
-//! The refracted direction against Snell's law, in both directions through boundaries, well below the critical angle
-//! and next to it.
+//! Refracted direction against Snell's law, in both directions through boundaries, well below the critical angle and
+//! next to it.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,25 +10,25 @@ use crate::optics::{Boundary, oracle};
 
 const ULP: f64 = f32::EPSILON as f64;
 
-/// How angles of incidence are drawn.
+/// Distribution of angles of incidence.
 #[derive(Clone, Copy)]
 enum Angles {
     /// Cosines uniform over 0..1.
     All,
     /// Within 1e-3 rad of the normal.
     NearNormal,
-    /// The normal itself.
+    /// Exactly along the normal.
     Normal,
-    /// 1e-6 rad short of grazing.
+    /// 1e-6 rad below grazing.
     Grazing,
     /// From the normal to 1e-3 rad below the critical angle.
     WellBelow,
-    /// So many radians below the critical angle.
+    /// Within this range of radians below the critical angle.
     Just(f64, f64),
 }
 
-/// Indices, angles, bound on the error in radians, and share of rays whose total reflection may be misjudged: the arguments
-/// are rounded, and so is the critical angle in them.
+/// Indices, angles, bound on the error in radians, and share of rays whose total reflection may be misjudged because
+/// the arguments, and thus the critical angle, are rounded.
 const ROWS: [(f64, f64, Angles, f64, f64); 14] = [
     (1.0, 1.5, Angles::All, 2.2e-7, 0.0),
     (1.0, 1.33, Angles::All, 2.2e-7, 0.0),
@@ -43,7 +43,7 @@ const ROWS: [(f64, f64, Angles, f64, f64); 14] = [
     (1.5, 1.0, Angles::WellBelow, 8e-6, 0.0),
     (2.42, 1.0, Angles::WellBelow, 2e-5, 0.0),
     (1.5, 1.0, Angles::Just(5e-6, 1e-5), 2e-4, 0.0),
-    // Rounding `cos_i^2`, where products are not fused, moves the critical angle by up to 1.7e-8 rad more.
+    // Without fused multiply-add, rounding `cos_i^2` moves the critical angle by up to 1.7e-8 rad more.
     (1.5, 1.0, Angles::Just(0.0, 1e-7), 1.4e-3, if FUSED { 0.2 } else { 0.3 }),
 ];
 

@@ -1,15 +1,15 @@
-//! Seeded numbers, directions, and rays aimed without rounding.
+//! Seeded random numbers, directions, and rays aimed without rounding.
 
 use glam::{DVec3, Vec3};
 
 use crate::math::Vector3;
 
-/// `SplitMix64` (Steele, Lea & Flood 2014).
+/// `SplitMix64` generator (Steele, Lea & Flood 2014).
 #[derive(Clone, Debug)]
 pub(crate) struct Rng(u64);
 
 impl Rng {
-    /// The stream of a batch of a group.
+    /// Creates the stream of a batch of a group.
     pub fn new(group: &str, batch: usize) -> Self {
         let seed =
             group.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3));
@@ -18,7 +18,7 @@ impl Rng {
         rng
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -26,27 +26,27 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// In 0..n, for n of at least 1.
+    /// Returns a random index in 0..n, for n of at least 1.
     pub fn below(&mut self, n: usize) -> usize {
         ((u128::from(self.bits()) * n as u128) >> 64) as usize
     }
 
-    /// Uniform in 0..1.
+    /// Returns a uniform number in 0..1.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Uniform between two numbers.
+    /// Returns a uniform number between two numbers.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// A point of the cube -1..1.
+    /// Returns a uniform point of the cube -1..1.
     pub fn point(&mut self) -> DVec3 {
         DVec3::from_array([0; 3].map(|_| self.between(-1.0, 1.0)))
     }
 
-    /// Uniform on the sphere.
+    /// Returns a uniform direction.
     pub fn direction(&mut self) -> DVec3 {
         loop {
             let v = self.point();
@@ -56,13 +56,13 @@ impl Rng {
         }
     }
 
-    /// A direction of travel and a normal that it meets at `angle`, as `f32` has them.
+    /// Returns a direction of travel and a normal at `angle` to each other, as `f32`.
     pub fn meeting_at(&mut self, angle: f64) -> (Vector3<f32>, Vector3<f32>) {
         let (incident, normal) = self.unit_meeting_at(angle);
         (incident.as_vec3().into(), normal.as_vec3().into())
     }
 
-    /// A direction of travel and a normal that it meets at `angle`.
+    /// Returns a direction of travel and a normal at `angle` to each other.
     pub fn unit_meeting_at(&mut self, angle: f64) -> (DVec3, DVec3) {
         let normal = self.direction();
         let across = loop {
@@ -74,7 +74,7 @@ impl Rng {
         (across * angle.sin() - normal * angle.cos(), normal)
     }
 
-    /// Any bits at all, or one of the numbers that are most often wrong.
+    /// Returns arbitrary bits, or one of the special values.
     pub fn awkward(&mut self) -> f32 {
         const SPECIAL: [f32; 10] =
             [0.0, -0.0, 1.0, -1.0, 1e-45, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
@@ -86,14 +86,15 @@ impl Rng {
     }
 }
 
-/// A start near `around` (within `spread` of it along each axis) from which the way to `target` is exact in `f32`, so
-/// that the ray really is aimed there.
+/// Returns an origin near `around` (within `spread` along each axis) from which the vector to `target` is exact in
+/// `f32`, so that the ray really is aimed there.
 pub(super) fn exact_start(rng: &mut Rng, target: Vec3, around: DVec3, spread: DVec3) -> Option<Vec3> {
     let mut start = Vec3::ZERO;
     for axis in 0..3 {
         let to = f64::from(target[axis]);
         let exact = |from: f32| f64::from(target[axis] - from) == to - f64::from(from);
-        // The grid of the target itself: what lies between it and zero differs from it by a number of as many digits.
+        // Grid of the target itself: the difference between the target and a smaller number on this grid has no more
+        // digits.
         let grid = f64::from(crate::math::ulp(target[axis]));
         let tries = (0..12).map(|i| {
             let from = around[axis] + spread[axis] * rng.between(-1.0, 1.0);

@@ -1,11 +1,11 @@
-//! The groups fired at a user's own scene. Its meshes need not be closed nor anything else, so the `f64` arbiter says
-//! which rays had to hit and which need not.
+//! Groups that run on a user's own scene. Its meshes need not be closed, so the `f64` arbiter decides which rays must
+//! hit.
 
 use glam::{DVec3, Vec3};
 
 use super::sample::Rng;
 use super::self_hits::{Leaving, leaving};
-use super::{Candidate, Finding, Group, Place, Plan, Tally, Way, in_batches, timed};
+use super::{Candidate, Finding, Group, NamedAccel, Place, Plan, Tally, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
@@ -17,16 +17,16 @@ use crate::trial::shown;
 
 const BATCHES: usize = 64;
 
-/// Rays traced together.
+/// Number of rays traced together.
 const CHUNK: usize = 256;
 
-/// Units of [`Budget`] that a ray may take on the average of a batch: several times what one takes in a large model.
-const UNITS_A_RAY: u64 = 6_000;
+/// Mean units of [`Budget`] per ray in a batch: several times that of a ray in a large model.
+const UNITS_A_RAY: u64 = 2_400;
 
 /// Units of [`Budget`] after which no more rays are traced together.
 const CHUNK_UNITS: u64 = 2_000_000;
 
-/// Middle and half extent of what is finite in a scene.
+/// Returns the middle and half extent of the finite part of a scene.
 pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
     let all = scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
         Shape::Mesh(mesh) => b.union(mesh.bounds()),
@@ -35,7 +35,7 @@ pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
     });
     let (lo, hi) = (all.lo.as_dvec3(), all.hi.as_dvec3());
     if lo.cmple(hi).all() {
-        // Something flat is still looked at from all around.
+        // A flat scene still gets rays from all around.
         let half = (hi - lo) * 0.5;
         ((lo + hi) * 0.5, half.max(DVec3::splat((half.max_element() * 0.1).max(f64::from(f32::MIN_POSITIVE)))))
     } else {
@@ -43,11 +43,11 @@ pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
     }
 }
 
-/// Fires the planned groups of [`Group::OF_SCENE`] at a scene by every way through a path; failures name the triangle and
-/// its place, and repeat the ray by the `name` of the scene's file.
+/// Runs the selected groups of [`Group::OF_SCENE`] on a scene with every traversal of a back end. Failures name the
+/// triangle and its location, and give a command that repeats the ray on the file `name`.
 ///
 /// # Errors
-/// Interrupted; what building the path comes to.
+/// Returns [`Error::Interrupted`] if stopped, or an error if the back end cannot be built.
 pub fn fire<C: Candidate>(
     candidate: &C,
     scene: &Scene,
@@ -56,6 +56,7 @@ pub fn fire<C: Candidate>(
     observer: &Observer,
 ) -> Result<Vec<Finding>> {
     let target = Target { scene, name, ways: candidate.build(&scene.geometry)?, exact: candidate.is_exact() };
+    Reference::need(&scene.geometry)?;
     let arbiter = Reference::build(&scene.geometry);
     let aim = Aim::at(scene);
     let mut findings = Vec::new();
@@ -75,18 +76,18 @@ pub fn fire<C: Candidate>(
     Ok(findings)
 }
 
-/// A path built over a scene.
+/// Back end built over a scene.
 struct Target<'a, I> {
     scene: &'a Scene,
-    /// The scene's file, as it was typed.
+    /// File of the scene, as typed.
     name: &'a str,
-    ways: Vec<Way<I>>,
-    /// True if all ways promise the same bits.
+    ways: Vec<NamedAccel<I>>,
+    /// True if all traversals promise the same bits.
     exact: bool,
 }
 
 impl<I: Intersector> Target<'_, I> {
-    /// Sends rays from where `rays` hit, and looks for those that meet the flat primitive that they leave.
+    /// Sends rays from the hits of `rays`, and finds those that hit the flat primitive they leave.
     fn left_behind(&self, arbiter: &Reference, rays: &[Ray], mut budget: Budget, rng: &mut Rng) -> Tally {
         let geometry = &self.scene.geometry;
         let mut tally = Tally::default();
@@ -106,7 +107,7 @@ impl<I: Intersector> Target<'_, I> {
             let rays: Vec<Ray> = left.iter().map(|l| l.ray).collect();
             for way in &self.ways {
                 for (l, hit) in left.iter().zip(way.closest(&rays, &mut scratch)) {
-                    // Only what is flat cannot be met again.
+                    // Only a flat primitive cannot be hit again.
                     let flat = !matches!(geometry[l.from.geometry as usize].shape, Shape::Sphere(_));
                     tally.check(!(flat && hit.is_hit() && hit.id() == l.from.id()), || {
                         let place = Place::of(self.scene, l.from.geometry, l.from.primitive);
@@ -123,13 +124,13 @@ impl<I: Intersector> Target<'_, I> {
         tally
     }
 
-    /// Holds what every way answers to `rays` against the arbiter.
+    /// Judges the answers of every traversal to `rays` by the arbiter.
     fn judged(&self, group: Group, arbiter: &Reference, rays: &[Ray], mut budget: Budget) -> Tally {
         let mut tally = Tally::default();
         let mut scratch = I::Scratch::default();
         let mut rest = rays;
         while !rest.is_empty() {
-            // Fewer at a time where each holds many contacts, to save memory.
+            // Fewer rays at a time if each has many contacts, to save memory.
             let mut examined = Vec::new();
             let end = budget.left().saturating_sub(CHUNK_UNITS);
             while examined.len() < CHUNK.min(rest.len()) && (examined.is_empty() || budget.left() > end) {
@@ -173,7 +174,7 @@ impl<I: Intersector> Target<'_, I> {
         tally
     }
 
-    /// The fault of one way's answers, where it is one that the group is about.
+    /// Returns the fault of one traversal's answers, if the group tests for it.
     fn fault(&self, group: Group, examined: &Examined, answers: &(Hit, bool), first: &Hit) -> Option<String> {
         let counts = |fault: Fault| group == Group::Parity || matches!(fault, Fault::Leak | Fault::MissedHit);
         let judged = [examined.judge(&answers.0), examined.judge_occluded(answers.1)];
@@ -185,7 +186,7 @@ impl<I: Intersector> Target<'_, I> {
         fault.or_else(|| differs.then(|| format!("other bits than {}", self.ways[0].name)))
     }
 
-    /// A hit in words.
+    /// Describes a hit in words.
     fn hit(&self, hit: &Hit) -> String {
         match self.scene.objects.get(hit.geometry as usize) {
             Some(object) if hit.is_hit() => format!("triangle {} of `{}` at t = {}", hit.primitive, object.name, hit.t),
@@ -193,7 +194,7 @@ impl<I: Intersector> Target<'_, I> {
         }
     }
 
-    /// The report of a failure: the fault, the ray, the answer of each path, and the command that repeats it; a line each.
+    /// Returns the report of a failure: the fault, the ray, the answers, and the command that repeats it, one per line.
     fn failure(&self, what: &str, ray: &Ray, answers: &[(&str, String)]) -> String {
         let mut text = format!("{what}\n  {:<7} {}", "ray", shown::ray(ray));
         if !self.scene.is_in_world_coordinates() {
@@ -207,8 +208,8 @@ impl<I: Intersector> Target<'_, I> {
     }
 }
 
-/// The number of `rays` that `budget` lasts for, of those that are traced together. Of cheap rays one in eight is measured,
-/// and stands for eight.
+/// Returns the number of `rays` traced together for which `budget` suffices. Of cheap rays one in eight is measured and
+/// counts eight times.
 fn measured(arbiter: &Reference, rays: &[Ray], budget: &mut Budget) -> usize {
     let end = budget.left().saturating_sub(CHUNK_UNITS);
     let mut count = 0;
@@ -229,7 +230,7 @@ fn bits(h: &Hit) -> ([u32; 3], (u32, u32, u32)) {
     ([h.t, h.u, h.v].map(f32::to_bits), h.id())
 }
 
-/// Rays at a scene.
+/// Generator of rays at a scene.
 struct Aim<'a> {
     scene: &'a Scene,
     /// Objects that rays are aimed at.
@@ -249,8 +250,8 @@ impl<'a> Aim<'a> {
         Self { scene, targets: (0..scene.geometry.len()).filter(aimable).collect(), centre, half }
     }
 
-    /// A ray of unit direction: at a corner, at a point of an edge, or into the scene; where `anyhow` only one in four
-    /// is aimed.
+    /// Returns a ray of unit direction: at a corner, at a point of an edge, or into the scene. With `anyhow` only one
+    /// in four is aimed.
     fn ray(&self, rng: &mut Rng, anyhow: bool, k: usize) -> Ray {
         let from = match k % 5 {
             0 => self.scene.camera.eye.as_dvec3(),

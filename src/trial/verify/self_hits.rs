@@ -1,5 +1,5 @@
-//! Rays that leave a surface: reflected, refracted and towards a light, started by the rule of [`Spot`]. None may meet
-//! the surface that it leaves, and none may overlook another one a few bounds away.
+//! Rays that leave a surface: reflected, refracted and towards a light, started by the rule of [`Spot`]. None may hit
+//! the surface that it leaves, and none may miss another one a few error bounds away.
 
 use glam::{DVec3, Vec3};
 
@@ -15,10 +15,10 @@ use crate::trial::shown;
 
 pub(super) const MESHES: [Closed; 4] = [Closed::Ball, Closed::Bumpy, Closed::Spindle, Closed::Cube];
 
-/// Rays traced together.
+/// Number of rays traced together.
 const CHUNK: usize = 1024;
 
-/// How many error bounds apart two surfaces are that both must be seen.
+/// Distance of two surfaces, in error bounds, at which both must be hit.
 const APART: f64 = 4.0;
 
 pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i: usize) -> Result<Tally> {
@@ -36,7 +36,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i:
     Ok(tally)
 }
 
-/// Why a ray was sent.
+/// Purpose of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sent {
     Reflected,
@@ -44,23 +44,23 @@ pub(super) enum Sent {
     Shadow,
 }
 
-/// A ray that leaves a surface.
+/// Ray that leaves a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaving {
     pub ray: Ray,
     pub sent: Sent,
-    /// What it leaves.
+    /// Hit from which it starts.
     pub from: Hit,
-    /// Whether it goes on outside the shape.
+    /// True if it continues outside the shape.
     outside: bool,
 }
 
-/// The three rays that may leave where `ray`, of unit direction, met `hit`.
+/// Returns the three rays that may leave where `ray`, of unit direction, hit `hit`.
 pub(super) fn leaving(geometry: &[Geometry], ray: &Ray, hit: &Hit, rng: &mut Rng) -> Vec<Leaving> {
     let spot = Spot::at(&geometry[hit.geometry as usize].shape, ray, hit);
     let incident = Vector3::from(ray.dir);
     if !(spot.reach.is_finite() && spot.outward.x.is_finite()) {
-        // A triangle without area has no side to leave by.
+        // A triangle without area has no side.
         return Vec::new();
     }
     let front = incident.dot(spot.outward) < 0.0;
@@ -88,7 +88,7 @@ pub(super) fn leaving(geometry: &[Geometry], ray: &Ray, hit: &Hit, rng: &mut Rng
     rays
 }
 
-/// Rays at the one shape of `geometry` from outside and inside, and what leaves where they hit.
+/// Sends rays at the single shape of `geometry` from outside and inside, and rays that leave from their hits.
 fn leave<C: Candidate>(
     candidate: &C,
     geometry: &[Geometry],
@@ -100,7 +100,7 @@ fn leave<C: Candidate>(
     let ways = candidate.build(geometry)?;
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
     let is_ball = matches!(geometry[0].shape, Shape::Sphere(_));
-    // What is behind a flat face of the cube stays there; the rounded facets of the others may see each other.
+    // Rays behind a flat face of the cube stay inside; the rounded facets of the others may see each other.
     let convex = is_ball || pair.shape == Closed::Cube;
     let mut left = wanted as i64;
     while left > 0 {
@@ -120,7 +120,7 @@ fn leave<C: Candidate>(
                 let again = if l.outside && convex {
                     hit.is_hit()
                 } else if is_ball {
-                    // From inside it is met at the far side, 2 r cos away.
+                    // From inside, the ball is hit at the far side, 2 r cos away.
                     hit.is_hit() && f64::from(hit.t) < way_through(l, pair)
                 } else {
                     hit.is_hit() && hit.id() == l.from.id()
@@ -142,7 +142,7 @@ fn leave<C: Candidate>(
     Ok(())
 }
 
-/// Half the way through the ball from where `l` starts, in `f64`.
+/// Returns half the path through the ball from the origin of `l`, in `f64`.
 fn way_through(l: &Leaving, pair: &Pair) -> f64 {
     let to_centre = f64::from(pair.half.max_element() as f32);
     let inwards = (pair.centre.as_vec3().as_dvec3() - l.ray.origin.as_dvec3()) / to_centre;
@@ -150,7 +150,7 @@ fn way_through(l: &Leaving, pair: &Pair) -> f64 {
     along * to_centre
 }
 
-/// A ray of unit direction from outside or inside, at a corner, along an edge's middle, or anywhere.
+/// Returns a ray of unit direction from outside or inside, at a corner, at the middle of an edge, or anywhere.
 fn arriving(rng: &mut Rng, pair: &Pair, k: usize) -> Ray {
     let mesh = &pair.mesh;
     let from = if k.is_multiple_of(4) {
@@ -171,8 +171,8 @@ fn arriving(rng: &mut Rng, pair: &Pair, k: usize) -> Ray {
     Ray::new(from.as_vec3(), (target - from).normalize().as_vec3())
 }
 
-/// Infinite planes along an axis and tilted, through the place of `pair` and through the origin or next to it, at heights
-/// of all exponents: what leaves a plane on either side meets nothing.
+/// Tests infinite planes along an axis and tilted, through the position of `pair` and through or near the origin, at
+/// heights of all exponents. Rays that leave a plane on either side must miss it.
 fn planes<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut Tally) -> Result<()> {
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
     let size = pair.half.max_element();
@@ -209,11 +209,11 @@ fn planes<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut T
     Ok(())
 }
 
-/// Two parallel plates a few bounds apart, at the scale and place of `pair`: what leaves the one towards the other
-/// meets it.
+/// Tests two parallel plates a few error bounds apart, at the scale and position of `pair`. A ray from one towards the
+/// other must hit it.
 fn plates<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut Tally) -> Result<()> {
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
-    // The gap is up to a third of a plate's size where that spans but 256 ulp: rays are aimed well inside.
+    // The gap is up to a third of a plate's size if that spans only 256 ulps, so rays are aimed well inside.
     for _ in 0..8 {
         let n = rng.direction();
         let (x, y) = n.any_orthonormal_pair();

@@ -1,21 +1,21 @@
-//! Cases, failures, and the figure that came nearest to its bound.
+//! Results of test cases: counts, failures, and the figure nearest to its bound.
 
-/// Failures told one by one; the rest is only counted.
+/// Largest number of failures described; further ones are only counted.
 const EXAMPLES: usize = 6;
 
-/// A figure beside its bound.
+/// Figure with its bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// What was measured, with its unit.
+    /// Name of the quantity, with its unit.
     pub what: &'static str,
-    /// The figure.
+    /// Measured value.
     pub value: f64,
-    /// What it must not exceed; none where it is reported only.
+    /// Upper bound; `None` if the figure is only reported.
     pub bound: Option<f64>,
 }
 
 impl Worst {
-    /// How much of its bound the figure takes up; of a figure without a bound, the figure.
+    /// Returns the figure relative to its bound, or the figure itself without a bound.
     fn share(&self) -> f64 {
         match self.bound {
             Some(bound) if bound > 0.0 => self.value / bound,
@@ -24,28 +24,29 @@ impl Worst {
     }
 }
 
-/// What some cases came to.
+/// Results of some test cases.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// Cases tried.
+    /// Number of cases.
     pub cases: u64,
-    /// Those that fell short.
+    /// Number of failures.
     pub failures: u64,
-    /// The figure that takes up the most of its bound.
+    /// Figure that is largest relative to its bound.
     pub worst: Option<Worst>,
-    /// The first few failures, in words; one with several lines has the ray, what each path answers, and how to repeat it.
+    /// Descriptions of the first failures. Those with several lines contain the ray, each answer, and the command that
+    /// repeats it.
     pub examples: Vec<String>,
-    /// Rays that were left out because they and those before them meet too many shapes at once.
+    /// Number of rays left out because the work limit was reached.
     pub left_out: u64,
 }
 
 impl Tally {
-    /// Counts a case that came out well.
+    /// Counts a case that passed.
     pub fn pass(&mut self) {
         self.cases += 1;
     }
 
-    /// Counts a case that may have fallen short; `say` tells of it.
+    /// Counts a case; `say` describes its failure.
     pub fn check(&mut self, holds: bool, say: impl FnOnce() -> String) {
         self.cases += 1;
         if !holds {
@@ -53,7 +54,7 @@ impl Tally {
         }
     }
 
-    /// Counts `cases` of one ray, of which so many fell short; `say` tells of all of them.
+    /// Counts `cases` of one ray, `failures` of which failed; `say` describes them.
     pub fn check_all(&mut self, cases: u64, failures: u64, say: impl FnOnce() -> String) {
         self.cases += cases;
         if failures > 0 {
@@ -62,7 +63,7 @@ impl Tally {
         }
     }
 
-    /// Counts a shortcoming of a case that is counted elsewhere.
+    /// Counts a failure of a case that is counted elsewhere.
     pub fn fail(&mut self, say: impl FnOnce() -> String) {
         self.failures += 1;
         if self.examples.len() < EXAMPLES {
@@ -70,17 +71,17 @@ impl Tally {
         }
     }
 
-    /// Counts a case with a figure, which falls short where it exceeds its bound or is NaN.
+    /// Counts a case with a figure, which fails if the figure exceeds its bound or is NaN.
     pub fn measure(&mut self, what: &'static str, value: f64, bound: f64, say: impl FnOnce() -> String) {
         self.cases += 1;
         self.note(Worst { what, value, bound: Some(bound) });
-        // Not `value > bound`: a NaN falls short, too.
+        // Not `value > bound`, so that NaN fails, too.
         if !matches!(value.partial_cmp(&bound), Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal)) {
             self.fail(say);
         }
     }
 
-    /// Keeps a figure where it is the worst so far.
+    /// Keeps a figure if it is the worst so far.
     pub fn note(&mut self, figure: Worst) {
         let share = figure.share();
         if share.is_nan() || self.worst.as_ref().is_none_or(|w| share > w.share()) {
@@ -88,7 +89,7 @@ impl Tally {
         }
     }
 
-    /// Adds what came after.
+    /// Adds the results of later cases.
     pub fn merge(&mut self, o: Self) {
         self.cases += o.cases;
         self.failures += o.failures;

@@ -1,4 +1,4 @@
-//! Hits against testing every triangle: to the bit where the path promises so, else by the `f64` arbiter's judgement.
+//! Hits against testing every triangle: to the bit if the back end promises it, else by the `f64` arbiter.
 
 use std::collections::HashSet;
 
@@ -13,9 +13,9 @@ use crate::accel::reference::{Reference, Verdict};
 use crate::geometry::{Geometry, Hit, Ray, Shape, TriMesh, intersect_triangle};
 use crate::trial::shown;
 
-/// Scenes of odd meshes.
+/// Number of scenes of odd meshes.
 const SCENES: usize = 20;
-/// Batches a scene is spread over.
+/// Number of batches per scene.
 const PARTS: usize = 8;
 
 pub(super) const BATCHES: usize = SCENES * PARTS;
@@ -25,8 +25,8 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
     let mut rng = Rng::new("traversal", i);
     let mut tally = Tally::default();
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
-    // Where all hits are equally near, no box can be left out, and a ray costs as much as a hundred thousand triangles:
-    // too much for a quick run, and for the arbiter, who looks at each in `f64`.
+    // If all hits are equally near, no box can be skipped, and a ray costs as much as a hundred thousand triangles.
+    // That is too much for a quick run, and for the arbiter, which tests each in `f64`.
     let many = geometry.iter().any(|g| matches!(&g.shape, Shape::Mesh(m) if m.triangles.len() > 50_000));
     let share = if many && !(plan.full && candidate.is_exact()) { 50 } else { 1 };
     let rays = rays(&geometry, plan.sized(100_000, 2_000) as usize / share / PARTS, &mut rng);
@@ -60,7 +60,8 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
     Ok(tally)
 }
 
-/// Triangles to be tested one after the other. Of those with the same corners only the first, which wins their ties.
+/// Triangles to be tested one after the other. Of triangles with the same corners only the first is kept, which wins
+/// ties.
 struct Everything {
     triangles: Vec<([Vec3; 3], u32, u32)>,
 }
@@ -95,7 +96,8 @@ impl Everything {
     }
 }
 
-/// Rays from everywhere, most of them at corners, edges and middles of triangles, some along axes, some with ends.
+/// Returns rays from everywhere, most of them at corners, edges and middles of triangles, some along axes, some with
+/// ends.
 fn rays(geometry: &[Geometry], count: usize, rng: &mut Rng) -> Vec<Ray> {
     let meshes: Vec<&TriMesh> =
         geometry.iter().filter_map(|g| if let Shape::Mesh(m) = &g.shape { Some(m) } else { None }).collect();
@@ -131,7 +133,7 @@ fn rays(geometry: &[Geometry], count: usize, rng: &mut Rng) -> Vec<Ray> {
         .collect()
 }
 
-/// The `i`th scene of odd meshes.
+/// Returns the `i`th scene of odd meshes.
 fn scene(i: usize) -> (&'static str, Vec<Geometry>) {
     let (e, x, y) = (Vec3::ZERO, Vec3::X, Vec3::Y);
     let base = [e, x, y];
@@ -198,7 +200,7 @@ fn fan(n: u32) -> TriMesh {
     shared(positions, (0..n).map(|k| [0, 1 + k, 1 + (k + 1) % n]).collect())
 }
 
-/// Triangles anywhere in a cube, of a size, and so many times as wide as they are long.
+/// Returns triangles anywhere in a cube, of a size, `width` times as wide as they are long.
 fn soup(n: usize, size: f64, width: f64, rng: &mut Rng) -> TriMesh {
     of_triangles((0..n).map(|_| {
         let (a, along, aside) = (rng.point(), rng.point() * size, rng.point() * size);

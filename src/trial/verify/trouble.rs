@@ -1,5 +1,5 @@
-//! What is wrong with a user's triangles, by name and place: what cannot be hit, slivers, duplicates, open edges of
-//! dielectrics, and media that overlap without a priority to settle it.
+//! Faults of a user's triangles, by name and location: unusable triangles, slivers, duplicates, open edges of
+//! dielectrics, and overlapping media without a priority to decide between them.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
@@ -12,36 +12,36 @@ use crate::geometry::topology::{Edges, place};
 use crate::geometry::{Geometry, GeometryMask, Shape};
 use crate::scene::Scene;
 
-/// Times as long as high: rounding may then move a hit by hundreds of its spacings.
+/// Ratio of length to height from which a triangle is a sliver. Rounding may then move a hit by hundreds of spacings.
 const SLIVER: f64 = 1000.0;
 
-/// Rays that look for overlapping media.
+/// Number of rays that probe for overlapping media.
 const PROBES: usize = 4000;
 
-/// Units of [`Budget`] that they may take together.
+/// Units of [`Budget`] for all of them together.
 const PROBE_UNITS: u64 = 200_000_000;
 
-/// A kind of trouble.
+/// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
-    /// Cannot be hit: corners that coincide, are not finite or too far out.
+    /// The triangle cannot be hit: its corners coincide, are not finite or too far out.
     Unusable,
-    /// A thousand times as long as high, or more.
+    /// The triangle is at least a thousand times as long as high.
     Sliver,
-    /// The same three corners as an earlier triangle.
+    /// The triangle has the same three corners as an earlier one.
     Duplicate,
-    /// An edge of a dielectric that no other triangle closes: rays get in that never come out.
+    /// An edge of a dielectric is not closed by another triangle, so rays enter that never leave.
     OpenEdge,
-    /// In another medium of the same priority without being enclosed by it: which one fills the space depends on the
-    /// way a ray came.
+    /// The object overlaps another medium of the same priority without being enclosed by it. The medium that fills the
+    /// overlap then depends on the path of a ray.
     Overlap,
-    /// A face of one medium exactly on a face of another: a ray that leaves the one starts beyond both, and finds itself
-    /// in neither. To be mended by letting them overlap a little, with a priority.
+    /// A face of one medium lies exactly on a face of another. A ray that leaves one starts beyond both, in neither
+    /// medium. Cure: a small overlap, with a priority.
     Touch,
 }
 
 impl Kind {
-    /// In words.
+    /// Returns a description.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -55,21 +55,21 @@ impl Kind {
     }
 }
 
-/// A triangle, or another shape as a whole, and where it was read.
+/// Triangle, or another shape as a whole, and the location it was read from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
-    /// The object's name.
+    /// Name of the object.
     pub object: String,
-    /// The triangle of the object, from 0; 0 for other shapes.
+    /// Index of the triangle in the object, from 0; 0 for other shapes.
     pub triangle: u32,
-    /// The file; empty for what was made in memory.
+    /// File; empty for shapes made in memory.
     pub file: String,
-    /// The line of the triangle, or else of the object, from 1; 0 where unknown.
+    /// Line of the triangle, or else of the object, from 1; 0 if unknown.
     pub line: u32,
 }
 
 impl Place {
-    /// Of a primitive of a scene.
+    /// Returns the location of a primitive of a scene.
     #[must_use]
     pub fn of(scene: &Scene, geometry: u32, primitive: u32) -> Self {
         let object = &scene.objects[geometry as usize];
@@ -89,14 +89,14 @@ impl fmt::Display for Place {
     }
 }
 
-/// Trouble with a triangle.
+/// Fault of a triangle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trouble {
-    /// What kind.
+    /// Kind of fault.
     pub kind: Kind,
-    /// Where.
+    /// Location.
     pub place: Place,
-    /// The figure or the other triangle.
+    /// Figure, or the other triangle.
     pub detail: String,
 }
 
@@ -106,16 +106,16 @@ impl fmt::Display for Trouble {
     }
 }
 
-/// All trouble with a scene.
+/// All faults of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Troubles {
-    /// By kind and then in the order of the scene.
+    /// Faults by kind and then in the order of the scene.
     pub found: Vec<Trouble>,
-    /// Probing rays for overlapping media that were left out because those before met too many shapes at once.
+    /// Number of probing rays left out because the work limit was reached.
     pub probes_left_out: u64,
 }
 
-/// Looks for all kinds of trouble.
+/// Searches for all kinds of fault.
 #[must_use]
 pub fn find(scene: &Scene) -> Troubles {
     let mut found = Vec::new();
@@ -155,7 +155,7 @@ pub fn find(scene: &Scene) -> Troubles {
     Troubles { found, probes_left_out }
 }
 
-/// The longest edge over the height above it; infinite where the corners are in line.
+/// Returns the longest edge over the height above it; infinite for collinear corners.
 fn length_over_height([a, b, c]: [Vec3; 3]) -> f64 {
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
     let longest = [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
@@ -163,15 +163,16 @@ fn length_over_height([a, b, c]: [Vec3; 3]) -> f64 {
     longest / twice_area
 }
 
-/// How near to each other two faces coincide, in lengths of the scene.
+/// Distance at which two faces coincide, relative to the scene.
 const COINCIDENT: f64 = 1e-7;
 
-/// Pairs of objects that share a face, and pairs with media of one priority that cross each other: probing rays leave the one entered first before
-/// the other. A medium wholly inside another is no trouble, since the one entered last fills the space.
+/// Finds pairs of objects that share a face, and pairs with media of one priority that cross each other: probing rays
+/// leave the one entered first before the other. A medium wholly inside another is no fault, since the one entered last
+/// fills the space.
 ///
 /// Also returns the number of rays that were left out.
 fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
-    // Only of a closed shape can it be said by counting when a ray is inside.
+    // Counting crossings tells the inside only of a closed shape.
     let is_closed = |shape: &Shape| match shape {
         Shape::Mesh(mesh) => Edges::usable(mesh).open().is_none(),
         Shape::Sphere(sphere) => sphere.is_usable(),
@@ -205,7 +206,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
         if budget.is_spent() {
             return (found.into_values().collect(), (PROBES - k) as u64);
         }
-        // A ray at an edge meets both triangles there.
+        // A ray at an edge hits both triangles there.
         hits.dedup_by(|b, a| a.geometry == b.geometry && a.t == b.t);
         hits.retain(|hit| media[hit.geometry as usize].is_some());
         let mut note = |kind, a: &Hit64, b: u32, what: &str| {
@@ -230,7 +231,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
             };
             let (_, since) = inside.remove(entered);
             for &(other, at) in &inside[entered..] {
-                // Faces that touch are crossed at the same place but for rounding.
+                // Touching faces are crossed at the same point up to rounding.
                 let shared = hit.t - at;
                 if clash(hit.geometry, other) && shared > 1e-5 * (hit.t - since) {
                     note(Kind::Overlap, hit, other, "crosses it");
