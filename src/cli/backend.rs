@@ -10,9 +10,9 @@ use super::output;
 use crate::Error;
 use crate::Result;
 use crate::accel::native::Native;
+use crate::accel::walk::TriangleModel;
 use crate::accel::walk::{TestCounts, Walk};
 use crate::accel::{BuildQuality, BuildStats, Intersector, Unbounded};
-use crate::geometry::triangle_test::TriangleModel;
 use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
@@ -174,7 +174,7 @@ pub(super) fn trace(
         Backend::Walk(triangles, reciprocal) => {
             let walk = Walk::try_build(&scene.geometry, bvh, triangles, reciprocal)?;
             let (traced, accel) = with(walk, start, scene, options, observer, exposure)?;
-            Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
+            Ok(Traced { lanes: Some(accel.inner().test_counts()), ..traced })
         }
         Backend::Reference => {
             let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;

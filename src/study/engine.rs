@@ -152,9 +152,9 @@ impl Stage {
         let mut slot = place.map(|i| self.walks.swap_remove(i).1);
         let (test, reciprocal) = choice;
         let walk = built(&mut slot, &self.scene, || Walk::try_build(&self.scene.geometry, self.bvh, test, reciprocal))?;
-        let before = walk.accel.inner().lanes();
+        let before = walk.accel.inner().test_counts();
         let shot = timed(&self.scene, walk, options, observer);
-        let lanes = walk.accel.inner().lanes().since(before);
+        let lanes = walk.accel.inner().test_counts().since(before);
         self.walks.extend(slot.map(|walk| (choice, walk)));
         Ok(Shot { lanes: Some(lanes), ..shot? })
     }

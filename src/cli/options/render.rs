@@ -7,12 +7,12 @@ use clap::ValueEnum as _;
 use super::choices::{no_hierarchy, oliveira, quality};
 use super::{Overrides, effects, format_of, refuse_input};
 use crate::accel::BuildQuality;
+use crate::accel::walk::TriangleModel;
 use crate::cli::args::{
     BackendArg, BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
 };
 use crate::cli::backend::Backend;
 use crate::effects::Effect;
-use crate::geometry::triangle_test::TriangleModel;
 use crate::image::{Bits, Destination, Format};
 use crate::simd::ReciprocalModel;
 use crate::study::budget::Wish;
