@@ -11,8 +11,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::effects::{self, EffectPlan, Pipeline};
 use vitrum::load::{self, LoadOptions};
 use vitrum::render::{Observer, Options, Outcome, render};
@@ -42,14 +41,14 @@ const TIME: Duration = Duration::from_secs(3);
 struct Subject {
     name: String,
     scene: Scene,
-    accel: Unbounded<Native>,
+    accel: Accel,
 }
 
 impl Subject {
     fn load(file: &Path, (width, height): (u32, u32)) -> Self {
         let mut scene = load::scene(file, &LoadOptions::default()).expect("the scene loads").scene;
         (scene.settings.width, scene.settings.height, scene.settings.samples) = (width, height, 1);
-        let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
         Self { name: name_of(file), scene, accel }
     }
 

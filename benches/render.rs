@@ -4,8 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::load::{self, LoadOptions, Loaded};
 use vitrum::render::{Observer, Options, render};
 
@@ -23,7 +22,7 @@ fn renders(c: &mut Criterion) {
         let Loaded { mut scene, .. } = load::scene(&path, &LoadOptions::default()).expect("the scene loads");
         (scene.settings.width, scene.settings.height) = SIZE;
         scene.settings.samples = 1;
-        let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
         for threads in if all > 1 { vec![1, all] } else { vec![1] } {
             let options = Options { threads, ..Options::default() };
             let picture = || render(&scene, &accel, &options, &Observer::default()).expect("the scene renders");

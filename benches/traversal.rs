@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use vitrum::accel::BuildQuality;
+use vitrum::accel::{BuildQuality, embree};
 use vitrum::trial::agree::{Finding, Judge};
 use vitrum::trial::run::{Built, check};
 use vitrum::trial::team::Team;
-use vitrum::trial::{Picture, View, Watch, machine, rays};
+use vitrum::trial::{Picture, View, Watch, rays};
 
 /// 65,536 camera rays.
 const PICTURE: Picture = Picture { edge: 1024, one_in: 16 };
 
 fn traversal(c: &mut Criterion) {
-    let embree = machine::embree();
+    let embree = embree::installed();
     if let Err(e) = &embree {
         eprintln!("EMBREE IS LEFT OUT: {e}");
     }
@@ -28,7 +28,7 @@ fn traversal(c: &mut Criterion) {
     for model in support::models() {
         let built = Built::new(&model.geometry, &team, embree.is_ok(), BuildQuality::Default)
             .expect("what was found can be built with");
-        let sets = rays::all(&built.native, &model.geometry, &View::of(&rays::bounds(&model.geometry)), &PICTURE);
+        let sets = rays::all(built.native(), &model.geometry, &View::of(&rays::bounds(&model.geometry)), &PICTURE);
         let judge = Judge::new(&model.geometry);
         let mut contenders = built.contenders();
         let mut group = c.benchmark_group(&model.name);
@@ -39,18 +39,21 @@ fn traversal(c: &mut Criterion) {
             group.throughput(Throughput::Elements(set.count as u64));
             for contender in &mut contenders {
                 let label = contender.label();
-                group.bench_function(format!("{}/{}/{}", set.kind.name(), label.backend, label.mode), |b| {
-                    b.iter_custom(|n| {
-                        let mut time = Duration::ZERO;
-                        for _ in 0..n {
-                            contender.prepare(set);
-                            let start = Instant::now();
-                            contender.trace(set, &team);
-                            time += start.elapsed();
-                        }
-                        time
-                    });
-                });
+                group.bench_function(
+                    format!("{}/{}/{}", set.kind.name(), label.backend.mode_name(), label.mode),
+                    |b| {
+                        b.iter_custom(|n| {
+                            let mut time = Duration::ZERO;
+                            for _ in 0..n {
+                                contender.prepare(set);
+                                let start = Instant::now();
+                                contender.trace(set, &team);
+                                time += start.elapsed();
+                            }
+                            time
+                        });
+                    },
+                );
             }
         }
         group.finish();

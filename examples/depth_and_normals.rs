@@ -4,8 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::image::{Film, save};
 use vitrum::load::{self, LoadOptions};
 use vitrum::render::{FirstHit, first_hits};
@@ -21,7 +20,7 @@ fn main() -> vitrum::Result<()> {
 
 /// Writes `depth.pfm`, `normal.pfm` and `object.pfm` into a folder.
 pub fn write(scene: &Scene, folder: &Path) -> vitrum::Result<()> {
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
     let hits = first_hits(scene, &accel)?;
     let film = |value: fn(&FirstHit) -> [f32; 3]| Film {
         width: scene.settings.width,

@@ -4,8 +4,7 @@
 
 use std::path::PathBuf;
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::geometry::{Plane, Sphere};
 use vitrum::glam::Vec3;
 use vitrum::image::{Film, save};
@@ -49,6 +48,6 @@ pub fn scene(width: u32, height: u32) -> Result<Scene, SceneError> {
 /// The picture of the scene: `film.pixels` is an array of linear red, green and blue.
 pub fn picture(width: u32, height: u32) -> vitrum::Result<Film> {
     let scene = scene(width, height)?;
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
     Ok(render(&scene, &accel, &Options::default(), &Observer::default())?.film)
 }

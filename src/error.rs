@@ -41,9 +41,59 @@ pub enum Error {
     /// More than this program takes on, or a part that is not there.
     #[error("{0}")]
     Limit(String),
+    /// A back end that cannot trace.
+    #[error(transparent)]
+    Unavailable(#[from] Unavailable),
     /// Ctrl-C.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// Reason why a back end cannot trace the rays of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unavailable {
+    /// The program was built without the cargo feature `embree`.
+    #[error(
+        "Embree: this program was built without it; build with `cargo build --release --features embree`, or take the \
+         native back end"
+    )]
+    NotCompiledIn,
+    /// The library is not on this machine.
+    #[error("Embree: no {library} {place}; {cure}")]
+    NotFound {
+        /// Name of the library's file.
+        library: &'static str,
+        /// The place that was searched, with its preposition.
+        place: String,
+        /// Cure.
+        cure: String,
+    },
+    /// The library is too old or too new.
+    #[error("Embree: {library} is version {}.{}.{}, not {needed}; {cure}", found[0], found[1], found[2])]
+    Version {
+        /// The library's file.
+        library: String,
+        /// Major, minor and patch of the library.
+        found: [u32; 3],
+        /// Major version that is needed.
+        needed: u32,
+        /// Cure.
+        cure: &'static str,
+    },
+    /// The library lacks a function, or was built with options that rule it out. Names the file, the reason and the cure.
+    #[error("Embree: {0}")]
+    Unfit(String),
+    /// A call of the library failed.
+    #[error("Embree: {0}")]
+    Failed(String),
+    /// The back end loses hits on a shape of this size.
+    #[error("Embree: shape {} {why}; scale the scene or take the native back end", shape + 1)]
+    OutOfReach {
+        /// Index of the shape in the list of geometry.
+        shape: usize,
+        /// Reason, in words that follow the shape's name.
+        why: &'static str,
+    },
 }
 
 /// A result of this crate.
@@ -57,7 +107,7 @@ impl Error {
         match self {
             Self::Input { .. } | Self::File { .. } | Self::Usage(_) => 2,
             Self::Io { .. } => 3,
-            Self::Limit(_) => 4,
+            Self::Limit(_) | Self::Unavailable(_) => 4,
             Self::Interrupted => 130,
         }
     }

@@ -5,16 +5,17 @@
 //! [`accel`] knows shapes and nothing else. A hit is a distance, a triangle and its barycentric weights.
 //!
 //! ```
-//! use vitrum::accel::{Intersector as _, native::Native};
+//! use vitrum::accel::{Accel, Backend, BuildOptions, Intersector as _};
 //! use vitrum::geometry::{Geometry, Ray, TriMesh};
 //! use vitrum::glam::Vec3;
 //!
 //! let triangle = TriMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
-//! let accel = Native::build(&[Geometry::new(triangle)]);
+//! let accel = Accel::build(Backend::Native, &[Geometry::new(triangle)], BuildOptions::default())?;
 //! let rays = [0.25, 2.0].map(|x| Ray::new(Vec3::new(x, 0.5, 3.0), Vec3::NEG_Z));
 //! let hits = accel.hits(&rays);
 //! assert_eq!((hits[0].t, hits[0].u, hits[0].v), (3.0, 0.25, 0.5));
 //! assert!(!hits[1].is_hit());
+//! # Ok::<(), vitrum::Error>(())
 //! ```
 //!
 //! [`Intersector::closest`](accel::Intersector::closest) and [`Intersector::occluded`](accel::Intersector::occluded) take
@@ -27,7 +28,7 @@
 //! instead. [`render::render`] returns the picture in linear radiance and what it lost on the way.
 //!
 //! ```
-//! use vitrum::accel::{Unbounded, native::Native};
+//! use vitrum::accel::{Accel, Backend, BuildOptions};
 //! use vitrum::geometry::Sphere;
 //! use vitrum::glam::Vec3;
 //! use vitrum::render::{Observer, Options, render};
@@ -43,7 +44,7 @@
 //! scene.add_object("ball", Sphere { centre: Vec3::ZERO, radius: 1.0 }, glass);
 //! scene.validate()?;
 //!
-//! let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+//! let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
 //! let outcome = render(&scene, &accel, &Options::default(), &Observer::default())?;
 //! let pixels: &[[f32; 3]] = &outcome.film.pixels;
 //! assert!(pixels.iter().flatten().all(|x| (x - 1.0).abs() < 1e-5));

@@ -3,10 +3,9 @@
 use crate::support;
 
 use glam::Vec3;
-use support::{Rng, contract, scenes, shapes};
-use vitrum::accel::native::Native;
+use support::{Rng, backends, contract, scenes, shapes};
+use vitrum::accel::Intersector;
 use vitrum::accel::reference::{Reference, Verdict};
-use vitrum::accel::{Intersector, Unbounded};
 use vitrum::geometry::{Geometry, GeometryMask, Ray, Shape};
 use vitrum::render::{Observer, Options, reference};
 use vitrum::scene::{Falloff, Light, LightKind, Material, Rgb};
@@ -42,7 +41,7 @@ fn the_native_path_is_never_wrong_on_balls_spheres_and_planes() {
         shapes::ball(Vec3::new(-1.5, 0.2, 0.4), 0.7, GeometryMask::OPAQUE),
         shapes::plane(Vec3::new(0.0, -2.0, 0.0), Vec3::Y, GeometryMask::OPAQUE),
     ];
-    let native = Unbounded::new(Native::build(&world), &world);
+    let native = backends::native(&world);
     let arbiter = Reference::build(&world);
     assert_eq!(native.build_stats().dropped, arbiter.stats().dropped);
     let rays = rays(&world, 6000);

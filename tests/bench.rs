@@ -212,7 +212,7 @@ fn the_doctor_knows_machine_and_build() {
         "one name for each finding"
     );
     // The feature decides the default, and native is named as the one that takes less time.
-    assert_eq!(findings["default_backend"], if cfg!(feature = "embree") { "embree" } else { "native" });
+    assert_eq!(findings["default_backend"], vitrum::accel::Backend::DEFAULT.name());
     let choice = findings["choice"].as_str().unwrap();
     assert!(choice.contains("native takes less CPU time") && choice.contains("1.1 to 1.8 times"), "{choice}");
     assert!(!findings["cpu"].as_str().unwrap().is_empty() && findings["processors"].as_u64().unwrap() >= 1);

@@ -15,15 +15,16 @@ use support::kernels::{Held, KERNELS};
 use support::{Rng, aim, contract, exact, scenes};
 use vitrum::accel::native::Native;
 use vitrum::accel::reference::{Cause, Fault, Reference, Verdict};
+use vitrum::accel::{Accel, Backend, BuildOptions, BuildQuality};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Ray, Shape, TriMesh};
 use vitrum::render::Observer;
 use vitrum::scene::Material;
 use vitrum::trial::parity::{Answers, Query, Set, ask, judge, sets};
 use vitrum::trial::rays::View;
-use vitrum::trial::verify::{self, Group, NativePath, Plan};
+use vitrum::trial::verify::{self, Group, Plan, UnderTest};
 
 /// Rays at each mesh.
-const RAYS: usize = 100;
+const RAYS: usize = 500;
 
 fn geometry(mesh: &TriMesh) -> [Geometry; 1] {
     [Geometry { shape: Shape::Mesh(mesh.clone()), mask: GeometryMask::OPAQUE }]
@@ -47,7 +48,7 @@ fn count(causes: &mut Causes, verdict: Verdict) {
 /// Aims at meshes of one kind, and holds every kernel's answers against the arbiter.
 fn native_is_right_at(boundary: Boundary) -> Causes {
     let mut causes = Causes::new();
-    for seed in 0..aim::count(100) as u64 {
+    for seed in 0..aim::count(20) as u64 {
         let mesh = boundary.mesh(seed);
         if mesh.triangles.is_empty() {
             continue;
@@ -303,7 +304,13 @@ fn a_slit_narrower_than_45_degrees_is_no_leak() {
     assert!(matches!(verdict, Verdict::Agrees | Verdict::Undecidable(Cause::Crack, _)), "{verdict:?}");
     let scene = scene(mesh);
     let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(6400) };
-    let findings = verify::fire_at_scene(&NativePath::default(), &scene, "fan.obj", &plan, &Observer::default());
+    let findings = verify::fire_at_scene(
+        &UnderTest { backend: Backend::Native, bvh: BuildQuality::Default },
+        &scene,
+        "fan.obj",
+        &plan,
+        &Observer::default(),
+    );
     for f in findings.expect("the native path is there") {
         assert!(f.holds(), "{}: {:#?}", f.group.name(), f.tally.examples);
     }
@@ -356,20 +363,9 @@ fn parity(name: &str, mesh: &TriMesh, rays: usize) -> (u64, u64) {
 
 /// Answers of Embree, robust and fast, where it is there.
 fn embree(geometry: &[Geometry], set: &Set) -> Vec<Answers> {
-    #[cfg(feature = "embree")]
-    {
-        use vitrum::accel::embree::{Embree, Mode, Options};
-        let ask_in = |mode| {
-            let options = Options { mode, threads: 1, ..Options::default() };
-            Embree::build(geometry, &options).ok().map(|embree| ask(&embree, &set.rays, set.coherence))
-        };
-        [Mode::Robust, Mode::Fast].into_iter().filter_map(ask_in).collect()
-    }
-    #[cfg(not(feature = "embree"))]
-    {
-        let _ = (geometry, set);
-        Vec::new()
-    }
+    let options = BuildOptions { threads: 1, ..BuildOptions::default() };
+    let accels = [Backend::Embree, Backend::EmbreeFast].map(|backend| Accel::build(backend, geometry, options));
+    accels.iter().flatten().map(|accel| ask(accel, &set.rays, set.coherence)).collect()
 }
 
 #[test]
@@ -403,7 +399,13 @@ fn verify_accuses_nobody_at_random_meshes() {
             let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(640) };
             let scene = scene(mesh);
             let name = format!("{boundary:?} {seed}");
-            let found = verify::fire_at_scene(&NativePath::default(), &scene, &name, &plan, &Observer::default());
+            let found = verify::fire_at_scene(
+                &UnderTest { backend: Backend::Native, bvh: BuildQuality::Default },
+                &scene,
+                &name,
+                &plan,
+                &Observer::default(),
+            );
             for f in found.expect("the native path is there") {
                 assert!(f.holds() && f.tally.left_out == 0, "{name}, {}: {:#?}", f.group.name(), f.tally);
                 cases += f.tally.cases;

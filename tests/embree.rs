@@ -585,7 +585,7 @@ fn accelerators_live_side_by_side_and_say_what_they_hold() {
         let each = stats.bytes / stats.triangles;
         assert!(*n < 1000 || (20..400).contains(&each), "{each} bytes a triangle");
         assert!(!stats.time.is_zero());
-        assert_eq!(accel.library().version[0], 4);
+        assert!(accel.library().version.starts_with("4."));
     }
     let ray = Ray::new(Vec3::new(0.1, 0.1, 5.0), Vec3::new(-0.01, 0.02, -1.0));
     let hits: Vec<Hit> = many.iter().map(|(_, accel)| one(accel, &ray)).collect();

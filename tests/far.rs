@@ -134,13 +134,8 @@ fn still_life(offset: Offset, ring: &str) -> String {
 fn pictures(scene: &Scene) -> Vec<(&'static str, Film)> {
     let options = Options::default();
     let wide = reference::render(scene, &options, &Observer::default()).expect("nobody interrupts a test");
-    #[cfg_attr(not(feature = "embree"), allow(unused_mut, reason = "one more with Embree"))]
     let mut all = vec![("native", native(scene, &options).film), ("f64", wide.film)];
-    #[cfg(feature = "embree")]
-    {
-        use vitrum::accel::{Unbounded, embree};
-        let bounded = embree::Embree::build(&scene.geometry, &embree::Options::default()).expect("Embree is there");
-        let accel = Unbounded::new(bounded, &scene.geometry);
+    if let Some(accel) = support::backends::embree(vitrum::accel::Backend::Embree, &scene.geometry) {
         let picture = vitrum::render::render(scene, &accel, &options, &Observer::default());
         all.push(("embree", picture.expect("nobody interrupts a test").film));
     }

@@ -324,3 +324,27 @@ fn a_picture_for_which_there_is_no_memory_is_refused_and_nothing_is_written() {
         }
     }
 }
+
+#[test]
+fn a_study_names_what_is_in_the_way_of_its_folder_and_goes_on_from_a_damaged_journal() {
+    let folder = place(64, 48);
+    std::os::unix::fs::symlink("nowhere", folder.path().join("link")).unwrap();
+    let study = |to: &str| {
+        let line = format!("price scene.toml -q -o {to} --axes fresnel --limit 1s --size 8x8");
+        vitrum(folder.path(), &line).output().unwrap()
+    };
+    refused(&study("link"), 3, "link is a link to a folder that does not exist");
+    refused(&study("scene.toml"), 3, "scene.toml is a file");
+    assert!(study("out").status.success());
+    let journal = folder.path().join("out/study/journal.jsonl");
+    let whole = fs::read(&journal).unwrap();
+    for damaged in [&whole[..whole.len() - 20], b"\xff\xfe no journal", b""] {
+        fs::write(&journal, damaged).unwrap();
+        let output = study("out");
+        assert!(output.status.success(), "{output:?}");
+        // What is appended stands on a line of its own.
+        let text = fs::read(&journal).unwrap();
+        let added = String::from_utf8_lossy(&text[damaged.len()..]).trim_start().to_owned();
+        assert!(added.starts_with('{') && (damaged.is_empty() || text[damaged.len()] == b'\n'), "{added}");
+    }
+}

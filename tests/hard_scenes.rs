@@ -4,8 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::image::Film;
 use vitrum::load;
 use vitrum::render::{Observer, Options, reference, render};
@@ -30,7 +29,7 @@ fn scene(name: &str) -> Scene {
 }
 
 fn native(scene: &Scene) -> Film {
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
     let outcome = render(scene, &accel, &Options::default(), &Observer::default()).expect("renders");
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0));
     outcome.film

@@ -1,17 +1,18 @@
 //! Native against the arbiter, ray by ray: on every built-in shape, and on real models where VITRUM_MESHES names their
 //! folder. Whatever differs is shown to be undecidable; nothing is wrong.
 
+use crate::support;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
-use vitrum::accel::native::{Kernel, Native, Scratch};
+use support::backends;
 use vitrum::accel::reference::{Cause, Fault, Reference, Verdict};
-use vitrum::accel::{BuildStats, Coherence, Intersector, Unbounded};
-use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Plane, Ray, Ray8, Shape, Sphere, TriMesh};
+use vitrum::accel::{Backend, Coherence, Intersector};
+use vitrum::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, TriMesh};
 use vitrum::load::{self, shapes};
-use vitrum::simd::Mask8;
 use vitrum::trial::View;
 use vitrum::trial::parity::{Answers, Query, Records, Set, Tally, ask, judge, sets};
 use vitrum::trial::rays::bounds;
@@ -19,22 +20,6 @@ use vitrum::trial::rays::bounds;
 /// The real models that are traced.
 const MODELS: [&str; 6] =
     ["armadillo", "stanford_bunny", "stanford_dragon_res2", "glass_teapot", "utah_teapot", "glass_candle_holder"];
-
-/// The native path, held to one kernel.
-struct Held<'a>(&'a Native, Kernel);
-
-impl Intersector for Held<'_> {
-    type Scratch = Scratch;
-    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
-        self.0.closest_with(self.1, rays, hits, coherence, scratch);
-    }
-    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
-        self.0.occluded_with(self.1, rays, blocked, coherence, scratch);
-    }
-    fn build_stats(&self) -> BuildStats {
-        self.0.build_stats()
-    }
-}
 
 fn say(line: &str) {
     // Past the test harness, which shows nothing of what passes.
@@ -149,14 +134,13 @@ fn same(a: &Hit, b: &Hit) -> bool {
 fn native_is_never_wrong(world: &World, count: usize) -> Tally {
     let World { name, geometry, view } = world;
     let reference = Reference::build(geometry);
-    let native = Native::build(geometry);
-    let accel = Unbounded::new(native.clone(), geometry);
+    let accel = backends::native(geometry);
     let mut sum = Tally::default();
     for set in sets(&reference, geometry, view, count) {
         let answers = ask(&accel, &set.rays, set.coherence);
-        for kernel in [Kernel::Single, Kernel::Packet, Kernel::Stream, Kernel::Auto] {
+        for (kernel, held) in accel.by_kernel().into_iter().chain([("auto", accel.clone())]) {
             for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-                let other = ask(&Unbounded::new(Held(&native, kernel), geometry), &set.rays, coherence);
+                let other = ask(&held, &set.rays, coherence);
                 let same = other.hits.iter().zip(&answers.hits).all(|(a, b)| same(a, b));
                 assert!(same && other.blocked == answers.blocked, "{name}, {}: {kernel:?}, {coherence:?}", set.name);
             }
@@ -245,7 +229,7 @@ fn walls() -> World {
 fn every_planted_fault_is_found_and_called_by_its_name() {
     let World { geometry, view, .. } = walls();
     let reference = Reference::build(&geometry);
-    let native = Native::build(&geometry);
+    let native = backends::native(&geometry);
     let set = sets(&reference, &geometry, &view, 2000).swap_remove(0);
     assert_eq!(set.name, "primary");
     let right = ask(&native, &set.rays, set.coherence);
@@ -295,7 +279,7 @@ fn a_ray_that_meets_the_surface_it_leaves_is_a_fault_of_its_own_and_none_does() 
     let plane = Plane { point: Vec3::new(0.0, 5.55e-17, 0.0), normal: Vec3::Y };
     let geometry = [Geometry { shape: Shape::Plane(plane), mask: GeometryMask::OPAQUE }];
     let reference = Reference::build(&geometry);
-    let native = Unbounded::new(Native::build(&geometry), &geometry);
+    let native = backends::native(&geometry);
     let view = View { eye: Vec3::new(0.0, 1.0, 5.0), target: Vec3::ZERO, up: Vec3::Y, fov: 40.0, light: Vec3::Y };
     let mut set = sets(&reference, &geometry, &view, 1000).pop().expect("the last set");
     assert_eq!(set.name, "leaving");
@@ -320,7 +304,7 @@ fn hits_off_an_end_by_a_rounding_are_a_class_of_their_own_and_slips_through_seam
     let seam = Ray::new(Vec3::new(0.0, 1.0, 0.1), Vec3::NEG_Y);
     let rays = [short, seam, Ray { t_max: 0.9, ..down }];
     let set = Set { name: "by hand", coherence: Coherence::Incoherent, rays: rays.to_vec(), leaves: Vec::new() };
-    let full = ask(&Native::build(&geometry), &[down, seam, down], set.coherence);
+    let full = ask(&backends::native(&geometry), &[down, seam, down], set.coherence);
     let mut leaked = full.clone();
     leaked.hits[1] = Hit::MISS;
     let found = verdicts(&reference, &set, &[full, leaked]);
@@ -344,21 +328,16 @@ fn judging_stops_when_it_is_told_to() {
 }
 
 /// Embree as it is: counted and told, and held to a share that its own words ("next to no rays lost") leave room for.
-#[cfg(feature = "embree")]
 #[test]
 fn embree_in_robust_mode_is_wrong_at_few_corners_and_next_to_nowhere_else() {
-    use vitrum::accel::embree::{Embree, Options, device::Library};
     const TEST: &str = "embree_in_robust_mode_is_wrong_at_few_corners_and_next_to_nowhere_else";
-    if let Err(e) = Library::open(None) {
-        assert!(std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none(), "{TEST}: {e}");
-        say(&format!("SKIPPED {TEST}: {e}"));
+    if !backends::is_there(Backend::Embree) {
         return;
     }
     let (mut pictured, mut aimed) = (Tally::default(), Tally::default());
     for World { name, geometry, view } in built_in_worlds().into_iter().chain(models(TEST)) {
         let reference = Reference::build(&geometry);
-        let embree = Embree::build(&geometry, &Options::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let accel = Unbounded::new(embree, &geometry);
+        let Some(accel) = backends::embree(Backend::Embree, &geometry) else { panic!("{name}") };
         for set in sets(&reference, &geometry, &view, 1000) {
             let answers = ask(&accel, &set.rays, set.coherence);
             let records = verdicts(&reference, &set, &[answers]);

@@ -6,8 +6,8 @@ use std::process::Command;
 
 use assert_cmd::prelude::*;
 use glam::{DVec3, Vec3};
-use support::scenes;
-use vitrum::accel::{Unbounded, native::Native};
+use support::{backends, scenes};
+use vitrum::accel::Accel;
 use vitrum::load::{self, LoadOptions};
 use vitrum::optics::{FresnelModel, RefractionModel};
 use vitrum::render::record::{Event, Met, Source, Tree};
@@ -15,10 +15,8 @@ use vitrum::render::reference::{self, Prepared};
 use vitrum::render::{Observer, Options, RayKind, recorded, render};
 use vitrum::scene::{Falloff, Highlight, HighlightModel, Interface, Light, LightKind, Material, Rgb, Scene, Settings};
 
-type Accel = Unbounded<Native>;
-
 fn built(scene: &Scene) -> Accel {
-    Unbounded::new(Native::build(&scene.geometry), &scene.geometry)
+    backends::native(&scene.geometry)
 }
 
 /// Radiance, truncated weight and rays of a pixel on the native path.
@@ -277,7 +275,7 @@ fn a_pixel_or_sample_that_is_not_there_is_one_line_with_the_cure() {
 fn a_render_and_its_pixels_agree_on_what_is_cut_by_weight() {
     let mut scene = ball();
     scene.settings = Settings { max_depth: 64, cutoff: 0.01, ..scene.settings };
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = backends::native(&scene.geometry);
     let picture = render(&scene, &accel, &Options::default(), &Observer::default()).expect("not interrupted");
     let (_, truncated, tree) = native(&scene, &Options::default(), (0, 0));
     assert_eq!(truncated, picture.truncated.pixels[0]);

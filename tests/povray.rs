@@ -10,8 +10,7 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::image::Film;
 use vitrum::load;
 use vitrum::optics::{Bands, FresnelModel};
@@ -135,7 +134,7 @@ fn agrees_with(expected: &Picture, name: &str, fresnel: FresnelModel) {
     let film = reference::render(&scene, &options, &observer).expect("renders").film;
     hold_against("reference", name, &film, expected, &prepared);
 
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
     let outcome = render::render(&scene, &accel, &options, &observer).expect("renders");
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{name}");
     hold_against("native", name, &outcome.film, expected, &prepared);

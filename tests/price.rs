@@ -195,7 +195,7 @@ fn what_is_left_out_is_said() {
         assert!(left_out.contains(words), "{words} in {left_out}");
     }
     assert!(!names(&study.report()).iter().any(|name| name.contains("proven") || name.contains("polarised")));
-    if !cfg!(feature = "embree") {
+    if !vitrum::accel::Backend::Embree.is_compiled_in() {
         assert!(left_out.contains("backend embree"), "{left_out}");
     }
 }

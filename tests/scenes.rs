@@ -1,11 +1,13 @@
 //! The scenes of the project are what they say: they load without a warning, render without a number gone wrong, and
 //! the sizes of the sweep are those of their names.
 
+use crate::support;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use vitrum::accel::native::Native;
-use vitrum::accel::{Intersector as _, Unbounded};
+use support::backends;
+use vitrum::accel::{Backend, Intersector as _};
 use vitrum::load;
 use vitrum::render::{Observer, Options, render};
 use vitrum::scene::{Medium, Scene};
@@ -42,7 +44,7 @@ fn every_scene_renders_to_sound_radiance() {
         let mut scene = load_scene(&file);
         let settings = &mut scene.settings;
         (settings.width, settings.height, settings.samples) = (settings.width / 20, settings.height / 20, 1);
-        let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        let accel = backends::native(&scene.geometry);
         assert_eq!(accel.build_stats().dropped, 0, "{}", file.display());
         let outcome = render(&scene, &accel, &Options::default(), &Observer::default()).expect("renders");
         assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{}", file.display());
@@ -67,17 +69,15 @@ fn the_sweep_has_the_sizes_of_its_names() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     for (name, triangles) in [("sweep-1k", 1e3), ("sweep-10k", 1e4), ("sweep-100k", 1e5), ("sweep-1m", 1e6)] {
         let scene = load_scene(&folder.join(name).with_extension("toml"));
-        let stats = Unbounded::new(Native::build(&scene.geometry), &scene.geometry).build_stats();
+        let stats = backends::native(&scene.geometry).build_stats();
         assert!((stats.triangles as f64 / triangles - 1.0).abs() < 0.03, "{name}: {}", stats.triangles);
     }
 }
 
 /// One shading layer over two paths: a pixel that differs is one that no `f32` path decides, since the `f64` picture
 /// itself moves there when the camera ray moves by a few roundings for each level of the path.
-#[cfg(feature = "embree")]
 #[test]
 fn both_back_ends_make_the_same_picture_of_every_scene() {
-    use vitrum::accel::embree::{self, Embree};
     use vitrum::optics::FresnelModel;
     use vitrum::render::reference::Prepared;
 
@@ -86,15 +86,8 @@ fn both_back_ends_make_the_same_picture_of_every_scene() {
         let mut scene = load_scene(&file);
         let settings = &mut scene.settings;
         (settings.width, settings.height, settings.samples) = (settings.width / 8, settings.height / 8, 1);
-        let embree = match Embree::build(&scene.geometry, &embree::Options::default()) {
-            Ok(embree) => Unbounded::new(embree, &scene.geometry),
-            Err(e) if std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none() => {
-                eprintln!("SKIPPED: {e}");
-                return;
-            }
-            Err(e) => panic!("{e}"),
-        };
-        let native = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+        let Some(embree) = backends::embree(Backend::Embree, &scene.geometry) else { return };
+        let native = backends::native(&scene.geometry);
         let (options, observer) = (Options::default(), Observer::default());
         let ours = render(&scene, &native, &options, &observer).expect("renders").film;
         let theirs = render(&scene, &embree, &options, &observer).expect("renders").film;

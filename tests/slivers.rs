@@ -2,8 +2,7 @@
 //! and the start of the next ray has to clear it.
 
 use glam::Vec3;
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::geometry::{Geometry, GeometryMask, Shape};
 use vitrum::load::shapes;
 use vitrum::render::{Observer, Options, reference, render};
@@ -49,7 +48,7 @@ fn lit_rod() -> Scene {
 fn a_rod_of_slivers_is_lit_as_the_reference_lights_it() {
     let scene = lit_rod();
     let (options, observer) = (Options::default(), Observer::default());
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
     let ours = render(&scene, &accel, &options, &observer).expect("renders").film;
     let theirs = reference::render(&scene, &options, &observer).expect("renders").film;
     let lit = theirs.pixels.iter().filter(|p| p[0] > 0.01).count();

@@ -7,20 +7,22 @@ use std::time::Duration;
 use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::{contains, is_empty};
-use vitrum::Error;
 use vitrum::accel::native::{Native, Scratch};
-use vitrum::accel::{BuildQuality, BuildStats, Coherence, Intersector};
+use vitrum::accel::{Backend, BuildQuality, BuildStats, Coherence, Intersector};
+use vitrum::error::{Error, Unavailable};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8, Shape};
 use vitrum::load::shapes;
 use vitrum::render::Observer;
 use vitrum::simd::Mask8;
-use vitrum::trial::verify::{self, Candidate, Finding, Group, NativePath, Plan, Way};
+use vitrum::trial::verify::{self, Candidate, Finding, Group, NamedAccel, Plan, UnderTest};
+
+const NATIVE: UnderTest = UnderTest { backend: Backend::Native, bvh: BuildQuality::Default };
 
 fn quick(group: Group) {
     let plan = Plan { groups: vec![group], full: false, rays: None };
     let observer = Observer::default();
     let mut findings = verify::fire_at_optics(&plan, &observer).expect("nobody interrupts a test");
-    findings.extend(verify::fire_at_path(&NativePath::default(), &plan, &observer).expect("the native path is there"));
+    findings.extend(verify::fire_at_path(&NATIVE, &plan, &observer).expect("the native path is there"));
     assert_eq!(findings.len(), 1);
     for f in findings {
         println!("{:10} {:8} cases, worst {:?}, {:?}", group.name(), f.tally.cases, f.tally.worst, f.time);
@@ -83,13 +85,13 @@ fn a_hierarchy_of_any_quality_holds() {
     // Large enough that each quality makes another tree of it.
     let ball = [Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE }];
     let nodes = BuildQuality::ALL.map(|bvh| {
-        let ways = NativePath { bvh }.build(&ball).expect("the native path is there");
+        let ways = UnderTest { bvh, ..NATIVE }.build(&ball).expect("the native path is there");
         ways[0].accel.build_stats().nodes
     });
     assert!(nodes[0] != nodes[1] && nodes[1] != nodes[2] && nodes[2] != nodes[0], "{nodes:?}");
     // All else tries the default.
     for bvh in [BuildQuality::Fast, BuildQuality::High] {
-        let findings = verify::fire_at_path(&NativePath { bvh }, &Plan::quick(), &Observer::default());
+        let findings = verify::fire_at_path(&UnderTest { bvh, ..NATIVE }, &Plan::quick(), &Observer::default());
         let findings = findings.expect("the native path is there");
         assert_eq!(findings.len(), 6);
         for f in findings {
@@ -124,8 +126,8 @@ impl Candidate for Broken {
         true
     }
 
-    fn build(&self, geometry: &[Geometry]) -> vitrum::Result<Vec<Way<BrokenAccel>>> {
-        Ok(vec![Way { name: "only", accel: BrokenAccel(Native::build(geometry), self.0) }])
+    fn build(&self, geometry: &[Geometry]) -> vitrum::Result<Vec<NamedAccel<BrokenAccel>>> {
+        Ok(vec![NamedAccel { name: "only", accel: BrokenAccel(Native::build(geometry), self.0) }])
     }
 }
 
@@ -190,7 +192,7 @@ fn it_stops_when_told_to() {
     let observer = Observer::default();
     observer.stop.store(true, std::sync::atomic::Ordering::Relaxed);
     let plan = Plan::quick();
-    assert!(matches!(verify::fire_at_path(&NativePath::default(), &plan, &observer), Err(Error::Interrupted)));
+    assert!(matches!(verify::fire_at_path(&NATIVE, &plan, &observer), Err(Error::Interrupted)));
     assert!(matches!(verify::fire_at_optics(&plan, &observer), Err(Error::Interrupted)));
 }
 
@@ -308,16 +310,15 @@ fn what_cannot_be_run_is_refused() {
         .code(2)
         .stderr("error: --bvh: formulas have no hierarchy to build; leave it out\n");
     vitrum(folder.path(), "verify --bvh best").assert().code(2).stderr(contains("high"));
-    if !cfg!(feature = "embree") {
+    if !Backend::Embree.is_compiled_in() {
         vitrum(folder.path(), "verify --backend embree").assert().code(4).stderr(contains("built without it"));
     }
 }
 
-#[cfg(feature = "embree")]
 #[test]
 fn embree_in_its_fast_mode_leaks_where_the_native_path_does_not() {
-    if vitrum::accel::embree::device::Library::open(None).is_err() {
-        assert!(std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none());
+    if let Err(why) = Backend::Embree.availability() {
+        assert!(why == Unavailable::NotCompiledIn || std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none(), "{why}");
         return;
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -325,7 +326,7 @@ fn embree_in_its_fast_mode_leaks_where_the_native_path_does_not() {
     assert_eq!(output.status.code(), Some(1));
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let of = |i: usize| (json["groups"][i]["path"].as_str().unwrap(), json["groups"][i]["holds"].as_bool().unwrap());
-    assert_eq!((of(0), of(2)), (("native", true), ("embree fast", false)));
+    assert_eq!((of(0), of(2)), (("native", true), ("embree-fast", false)));
 }
 
 fn scene_of(mesh: vitrum::geometry::TriMesh) -> vitrum::scene::Scene {
@@ -373,7 +374,7 @@ fn work_at_triangles_that_lie_at_one_place_is_bounded_and_what_is_left_out_is_co
         for group in Group::OF_SCENE {
             let plan = Plan { groups: vec![group], full: false, rays: Some(6400) };
             let fire = || {
-                let found = verify::fire_at_scene(&NativePath::default(), &scene, "heap", &plan, &Observer::default());
+                let found = verify::fire_at_scene(&NATIVE, &scene, "heap", &plan, &Observer::default());
                 found.expect("builds").remove(0)
             };
             let found = fire();
@@ -395,7 +396,7 @@ fn balls_of_any_size_are_as_quick_to_look_at_and_nothing_is_left_out() {
         scene.camera.eye = glam::Vec3::Z * 4.0 * size;
         for group in Group::OF_SCENE {
             let plan = Plan { groups: vec![group], full: false, rays: Some(6400) };
-            let found = verify::fire_at_scene(&NativePath::default(), &scene, "ball", &plan, &Observer::default());
+            let found = verify::fire_at_scene(&NATIVE, &scene, "ball", &plan, &Observer::default());
             let found = found.expect("builds").remove(0);
             assert!(found.holds() && found.tally.left_out == 0, "{size:e}, {group:?}: {:#?}", found.tally);
         }

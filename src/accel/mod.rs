@@ -8,7 +8,9 @@ use std::time::Duration;
 use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, Shape};
 use crate::simd::Mask8;
 
-#[cfg(feature = "embree")]
+mod backend;
+mod dispatch;
+#[cfg_attr(not(feature = "embree"), path = "embree/absent.rs")]
 pub mod embree;
 pub mod native;
 pub mod reference;
@@ -16,6 +18,8 @@ mod shafts;
 mod unbounded;
 pub mod walk;
 
+pub use backend::Backend;
+pub use dispatch::{Accel, BuildOptions};
 pub use shafts::Shafts;
 pub use unbounded::Unbounded;
 

@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::Intersector;
 use super::native::Native;
+use super::{BuildQuality, Intersector};
+use crate::Result;
 use crate::geometry::{Content, Geometry, GeometryMask, Plane, Shaft, Shape};
 
 /// Shapes that shafts are searched for: native's hierarchy, the back end's own if it has one, and the infinite planes.
@@ -15,14 +16,19 @@ pub struct Shafts<'a> {
 
 impl<'a> Shafts<'a> {
     /// For `accel`, which was built over `geometry`. Builds a hierarchy where it has none of native's.
-    #[must_use]
-    pub fn new<I: Intersector>(accel: &'a I, geometry: &[Geometry]) -> Self {
-        let native = accel.native().map_or_else(|| Cow::Owned(Native::build(geometry)), Cow::Borrowed);
+    ///
+    /// # Errors
+    /// [`Error::Limit`](crate::Error::Limit), where there is no memory for that hierarchy.
+    pub fn new<I: Intersector>(accel: &'a I, geometry: &[Geometry]) -> Result<Self> {
+        let native = match accel.native() {
+            Some(native) => Cow::Borrowed(native),
+            None => Cow::Owned(Native::try_build_as(geometry, BuildQuality::Default)?),
+        };
         let plane = |g: &Geometry| match g.shape {
             Shape::Plane(plane) if plane.is_usable() => Some((plane, g.mask)),
             _ => None,
         };
-        Self { native, planes: geometry.iter().filter_map(plane).collect() }
+        Ok(Self { native, planes: geometry.iter().filter_map(plane).collect() })
     }
 
     /// The content of a shaft; shapes that `blocks` meets stop light.

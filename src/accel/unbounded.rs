@@ -54,9 +54,15 @@ impl<I: Intersector> Unbounded<I> {
         Self { inner, planes, dropped }
     }
 
-    /// What is wrapped.
+    /// The accelerator without the planes.
     pub fn inner(&self) -> &I {
         &self.inner
+    }
+
+    /// The same planes in front of another accelerator over the same geometry.
+    #[must_use]
+    pub fn with_inner<J>(&self, inner: J) -> Unbounded<J> {
+        Unbounded { inner, planes: self.planes.clone(), dropped: self.dropped }
     }
 
     /// The nearest planes of the active lanes. The list is in order of id, so that the first one wins a tie.

@@ -20,7 +20,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::simd::level;
 pub(super) use bench::{BenchArgs, RaysArg};
-pub(super) use choices::{BackendArg, BvhArg, FresnelArg, RefractionArg, ShadowsArg};
+pub(super) use choices::{BvhArg, FresnelArg, RefractionArg, ShadowsArg};
 pub(super) use compare::CompareArgs;
 pub(super) use effects::EffectArgs;
 pub(super) use explain::ExplainArgs;

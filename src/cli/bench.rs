@@ -6,19 +6,20 @@ use std::sync::atomic::Ordering;
 
 use super::options::{Bench, refuse_input};
 use super::{Verdict, interrupt, output, progress, view};
+use crate::accel::embree;
 use crate::load::shapes::{self, Wave};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::Observer;
 use crate::scene::Scene;
 use crate::trial::frames::FramePlan;
-use crate::trial::{self, Machine, Outcome, Subject, Watch, machine};
+use crate::trial::{self, Machine, Outcome, Subject, Watch};
 use crate::{Error, Result};
 
 /// Loads, checks, times and reports.
 pub(super) fn run(job: &Bench) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let embree = match machine::embree() {
+    let embree = match embree::installed() {
         Ok(found) => Some(found),
         Err(e) => {
             output::log(&format!("warning: EMBREE IS LEFT OUT, the native path is timed alone. {e}"));

@@ -1,16 +1,17 @@
 //! `vitrum render --max-error` and `--time-budget`: what is chosen, why, and whether it held.
 
-use super::backend::{Backend, Traced};
+use super::backend::{Renderer, Traced};
 use super::options::Render;
 use super::render::picture;
 use super::{interrupt, output};
+use crate::accel::Backend;
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::study::budget::check::{self, Check};
 use crate::study::budget::{self, Candidate, Choice, Wish};
 use crate::study::errors::VISIBLE;
 use crate::study::spheres::with_spheres;
-use crate::study::{self, Axis, Level, Precision, Variant};
+use crate::study::{Axis, Level, Precision, Variant};
 use crate::{Error, Result};
 
 /// Pixels that are listed one by one.
@@ -54,7 +55,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     };
     let given = job.options.cutoff_error.map_or(given, |error| given.with(Level::Proven(error)));
     let given = match job.backend {
-        Backend::Walk(triangles, reciprocal) => Variant { triangles: Some(triangles), reciprocal, ..given },
+        Renderer::Walk(triangles, reciprocal) => Variant { triangles: Some(triangles), reciprocal, ..given },
         _ => given,
     };
     let threads = job.options.threads;
@@ -66,7 +67,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     let mut steps = Vec::new();
     let last = choice.ladder.len() - 1;
     for (i, candidate) in choice.ladder.iter().enumerate() {
-        apply(candidate, job, scene, &whole)?;
+        apply(candidate, job, scene, &whole);
         say(job.quiet, &format!("{:<10} {}", if i == 0 { "choice" } else { "step up" }, candidate.variant));
         let traced = picture(job, scene, observer)?;
         let bound = if let Wish::MaxError(e) = wish { e } else { VISIBLE };
@@ -96,41 +97,28 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     Err(Error::Usage(String::from("nothing to choose from")))
 }
 
-fn of_study(backend: Backend) -> Result<study::Backend> {
-    match backend {
-        Backend::Native | Backend::Walk(..) => Ok(study::Backend::Native),
-        #[cfg(feature = "embree")]
-        Backend::Embree(mode) => Ok(match mode {
-            crate::accel::embree::Mode::Fast => study::Backend::EmbreeFast,
-            crate::accel::embree::Mode::Robust => study::Backend::EmbreeRobust,
-        })
-        .and_then(|backend| study::engine::available(backend).map(|()| backend)),
-        Backend::Reference => Err(Error::Usage(String::from("--backend reference is exact already"))),
+/// The back end that a budget's study starts from.
+fn of_study(renderer: Renderer) -> Result<Backend> {
+    match renderer {
+        Renderer::Walk(..) => Ok(Backend::Native),
+        Renderer::Packets(backend) => Ok(backend.availability().map(|()| backend)?),
+        Renderer::Reference => Err(Error::Usage(String::from("--backend reference is exact already"))),
     }
 }
 
 /// Makes `job` and `scene` what a candidate says.
-fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Scene) -> Result<()> {
+fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Scene) {
     let variant = &candidate.variant;
     *scene = with_spheres(whole, variant.spheres);
     scene.settings = variant.settings(&whole.settings);
     let (tile, effects) = (job.options.tile, job.options.effects);
     job.options = render::Options { tile, effects, ..variant.options(job.options.threads) };
     job.spheres = variant.spheres;
-    job.backend = match (variant.precision, variant.backend) {
-        (Precision::Double, _) => Backend::Reference,
-        _ if variant.walk().is_some() => {
-            variant.walk().map_or(Backend::Native, |(triangles, reciprocal)| Backend::Walk(triangles, reciprocal))
-        }
-        (_, study::Backend::Native) => Backend::Native,
-        #[cfg(feature = "embree")]
-        (_, study::Backend::EmbreeFast) => Backend::Embree(crate::accel::embree::Mode::Fast),
-        #[cfg(feature = "embree")]
-        (_, study::Backend::EmbreeRobust) => Backend::Embree(crate::accel::embree::Mode::Robust),
-        #[cfg(not(feature = "embree"))]
-        _ => return Err(Error::Limit(String::from("this program was built without Embree"))),
+    job.backend = match (variant.precision, variant.walk()) {
+        (Precision::Double, _) => Renderer::Reference,
+        (Precision::Single, Some((triangles, reciprocal))) => Renderer::Walk(triangles, reciprocal),
+        (Precision::Single, None) => Renderer::Packets(variant.backend),
     };
-    Ok(())
 }
 
 /// The warning about a budget that was not kept.

@@ -1,19 +1,18 @@
 //! `vitrum doctor`.
 
-use super::backend::Backend;
 use super::{Verdict, output};
+use crate::accel::Backend;
+use crate::accel::embree::{self, Installed};
 use crate::simd::level;
-use crate::trial::machine::{self, Embree};
+use crate::trial::machine;
 use crate::{Error, Result};
 
 /// Advice on the back end. README.md has the measurements.
-#[cfg(feature = "embree")]
 const CHOICE: &str = "--backend native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
                       a build without the feature `embree` has it as its default";
 
-/// Advice on the back end. README.md has the measurements.
-#[cfg(not(feature = "embree"))]
-const CHOICE: &str = "native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
+/// The same for builds without Embree.
+const CHOICE_WITHOUT: &str = "native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
                       a build with `--features embree` has --backend embree, too, as its default";
 
 /// What this machine and this build can do. Its JSON form is this, with the same names.
@@ -31,7 +30,7 @@ struct Findings {
     /// Advice on the back end to choose.
     choice: &'static str,
     /// None where it was not found or not built in.
-    embree: Option<Embree>,
+    embree: Option<Installed>,
     /// What could be better, and the cure.
     missing: Vec<String>,
 }
@@ -75,7 +74,7 @@ impl Findings {
             saves_zmm,
             lacking: level::needed().into_iter().filter(|(_, there)| !there).map(|(name, _)| name).collect(),
         };
-        let embree = machine::embree();
+        let embree = embree::installed();
         let mut missing = Vec::new();
         if simd.built != simd.available {
             missing.push(format!("built for {}, while this CPU has {}: {}", simd.built, simd.available, level::CURE));
@@ -92,8 +91,8 @@ impl Findings {
             processors: std::thread::available_parallelism().map_or(1, usize::from),
             simd,
             backends,
-            default_backend: Backend::choose(None).map_or("native", Backend::name),
-            choice: CHOICE,
+            default_backend: Backend::DEFAULT.name(),
+            choice: if embree::COMPILED_IN { CHOICE } else { CHOICE_WITHOUT },
             embree,
             missing,
         }

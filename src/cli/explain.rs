@@ -8,7 +8,7 @@ use super::table::grouped;
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
-use crate::accel::{BuildQuality, Unbounded, native::Native};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects::{self, Effect, EffectPlan};
 use crate::image::Film;
 use crate::load::{self, LoadOptions, Loaded};
@@ -71,7 +71,7 @@ struct Worth {
 
 impl Measured {
     fn of(scene: &Scene, plan: &EffectPlan, job: &Explain, rounds: usize, observer: &Observer) -> Result<Self> {
-        let accel = Unbounded::new(Native::try_build_as(&scene.geometry, BuildQuality::Default)?, &scene.geometry);
+        let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
         let whole = job.options.effects;
         let on: Vec<Effect> = plan.on().iter().collect();
         let choices: Vec<Options> = std::iter::once(whole)

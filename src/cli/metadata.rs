@@ -1,6 +1,6 @@
 //! What a picture file says of its own making: what decided its pixels, and nothing that varies from run to run.
 
-use super::backend::Backend;
+use super::backend::Renderer;
 use super::options::Exposure;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Options, Reflection};
@@ -11,7 +11,7 @@ use crate::simd::level;
 pub(super) fn of(
     settings: &Settings,
     options: &Options,
-    backend: Backend,
+    backend: Renderer,
     library: Option<&str>,
     exposure: Exposure,
 ) -> Vec<(String, String)> {
@@ -39,8 +39,8 @@ pub(super) fn of(
 }
 
 /// The triangle test and the reciprocal, where they were chosen.
-fn walk_names(backend: Backend) -> Option<[(&'static str, String); 2]> {
-    let Backend::Walk(triangles, reciprocal) = backend else { return None };
+fn walk_names(backend: Renderer) -> Option<[(&'static str, String); 2]> {
+    let Renderer::Walk(triangles, reciprocal) = backend else { return None };
     let [triangles, reciprocal] = [triangles.name(), reciprocal.name()].map(String::from);
     Some([("vitrum:triangles", triangles), ("vitrum:reciprocal", reciprocal)])
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::options::Price;
 use super::{Verdict, backend, interrupt, output, progress};
+use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::load::{self, LoadOptions};
 use crate::render::{self, Observer};
@@ -12,7 +13,7 @@ use crate::study::html::{self, Pair, References};
 use crate::study::variant::quoted;
 use crate::study::{self, Report, Subject, Variant, Watch};
 use crate::system::files;
-use crate::trial::{Machine, machine};
+use crate::trial::Machine;
 use crate::{Error, Result};
 
 /// Loads, studies, writes and reports.
@@ -33,7 +34,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
         runs: job.runs,
         combine: job.combine,
         command: command(),
-        machine: Machine::this(machine::embree().ok()),
+        machine: Machine::this(embree::installed().ok()),
     };
     let report = progress::session(job.limit, !job.quiet, |say| {
         interrupt::heeded(|| {

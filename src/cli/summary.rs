@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::backend::{Backend, Traced};
+use super::backend::{Renderer, Traced};
 use super::budget::Spent;
 use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
@@ -189,8 +189,8 @@ impl Truncated {
     }
 }
 
-fn walked(backend: Backend, traced: &Traced) -> Option<Walked> {
-    let (Backend::Walk(triangles, reciprocal), Some(lanes)) = (backend, traced.lanes) else { return None };
+fn walked(backend: Renderer, traced: &Traced) -> Option<Walked> {
+    let (Renderer::Walk(triangles, reciprocal), Some(lanes)) = (backend, traced.lanes) else { return None };
     let (triangles, reciprocal) = (triangles.name(), reciprocal.name());
     Some(Walked { triangles, reciprocal, tested: lanes.tested, settled: lanes.settled })
 }

@@ -1,6 +1,6 @@
 //! Objects that rays left without having entered their medium, with the likely cause and its cure.
 
-use super::backend::Backend;
+use super::backend::Renderer;
 use super::table::{counted, grouped};
 use crate::load::{Hull, LoadReport};
 use crate::notices::INSIDE_OUT_CURE;
@@ -27,7 +27,7 @@ pub(super) struct Unmatched {
 }
 
 impl Unmatched {
-    pub fn of(outcome: &Outcome, scene: &Scene, report: &LoadReport, backend: Backend) -> Self {
+    pub fn of(outcome: &Outcome, scene: &Scene, report: &LoadReport, backend: Renderer) -> Self {
         let leak = |&(object, exits): &(u32, u64)| Leak {
             object: scene.objects[object as usize].name.clone(),
             exits,
@@ -58,7 +58,7 @@ impl Unmatched {
     }
 }
 
-fn cause(object: usize, report: &LoadReport, backend: Backend) -> String {
+fn cause(object: usize, report: &LoadReport, backend: Renderer) -> String {
     match report.hulls.get(&object) {
         Some(Hull::InsideOut { parts, of }) if parts == of => format!("it is inside out; {INSIDE_OUT_CURE}"),
         Some(Hull::InsideOut { .. }) => String::from("parts of it are inside out; turn their faces in the model"),
@@ -77,6 +77,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::accel::Backend;
     use crate::image::Film;
     use crate::render::{RayCounts, Seen, StreamCounts};
     use crate::scene::{Object, Origin};
@@ -109,17 +110,19 @@ mod tests {
         let hulls = BTreeMap::from([(0, Hull::Open), (1, Hull::InsideOut { parts: 1, of: 1 }), (2, Hull::Closed)]);
         let report = LoadReport { hulls, ..LoadReport::default() };
         let told = |backend| Unmatched::of(&outcome(vec![(1, 1234), (2, 30), (0, 2)]), &scene(3), &report, backend);
-        let lines = told(Backend::Native).lines();
+        let lines = told(Renderer::Packets(Backend::Native)).lines();
         assert_eq!(lines[0], "unmatched  1 266 exits: from a medium never entered, by object");
         assert!(lines[1].contains("`part 1` 1 234: it is inside out; set `flip = true`"), "{}", lines[1]);
         assert!(lines[2].contains("`part 2` 30: it touches or crosses"), "{}", lines[2]);
         assert!(lines[3].contains("`part 0` 2: it is not closed"), "{}", lines[3]);
-        assert!(told(Backend::Native).worst().unwrap().starts_with("most through `part 1` (1234): it is inside out"));
-        #[cfg(feature = "embree")]
-        for (mode, name) in
-            [(crate::accel::embree::Mode::Robust, "`embree`"), (crate::accel::embree::Mode::Fast, "`embree-fast`")]
-        {
-            let lines = told(Backend::Embree(mode)).lines();
+        assert!(
+            told(Renderer::Packets(Backend::Native))
+                .worst()
+                .unwrap()
+                .starts_with("most through `part 1` (1234): it is inside out")
+        );
+        for (backend, name) in [(Backend::Embree, "`embree`"), (Backend::EmbreeFast, "`embree-fast`")] {
+            let lines = told(Renderer::Packets(backend)).lines();
             assert!(lines[1].contains("inside out") && lines[3].contains("not closed"), "{lines:?}");
             assert!(lines[2].contains(name) && lines[2].contains("`--backend native` does not"), "{}", lines[2]);
         }
@@ -129,11 +132,11 @@ mod tests {
     fn many_objects_are_counted_and_none_is_told_where_every_exit_was_matched() {
         let report = LoadReport::default();
         let all = (0..9).map(|i| (i, 1)).collect();
-        let unmatched = Unmatched::of(&outcome(all), &scene(9), &report, Backend::Reference);
+        let unmatched = Unmatched::of(&outcome(all), &scene(9), &report, Renderer::Reference);
         assert_eq!(unmatched.objects.len(), 9);
         assert_eq!(unmatched.lines().len(), 7);
         assert_eq!(unmatched.lines()[6], "           and 4 other objects; --json has all");
-        let none = Unmatched::of(&outcome(Vec::new()), &scene(9), &report, Backend::Native);
+        let none = Unmatched::of(&outcome(Vec::new()), &scene(9), &report, Renderer::Packets(Backend::Native));
         assert_eq!((none.lines(), none.worst()), (Vec::new(), None));
     }
 }

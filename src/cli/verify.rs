@@ -8,11 +8,12 @@ use super::table::{counted, grouped};
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
+use crate::accel::Backend;
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;
-use crate::trial::verify::{self, Candidate, Finding, NativePath, Plan, Trouble};
+use crate::trial::verify::{self, Candidate, Finding, Plan, Trouble, UnderTest};
 
 /// Troubles told one by one, of each kind, outside JSON.
 const TOLD: usize = 8;
@@ -117,15 +118,9 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
 
 fn fire(job: &Verify, scene: Option<(&Scene, &str)>, observer: &Observer) -> Result<Vec<Finding>> {
     let mut findings = if scene.is_none() { verify::fire_at_optics(&job.plan, observer)? } else { Vec::new() };
-    if job.native {
-        findings.extend(fire_at(&NativePath { bvh: job.bvh }, &job.plan, scene, observer)?);
-    }
-    #[cfg(feature = "embree")]
-    if job.embree {
-        use crate::accel::embree::Mode;
-        for mode in [Mode::Robust, Mode::Fast] {
-            findings.extend(fire_at(&verify::EmbreePath { mode, bvh: job.bvh }, &job.plan, scene, observer)?);
-        }
+    let wanted = |backend: &Backend| if *backend == Backend::Native { job.native } else { job.embree };
+    for backend in Backend::ALL.into_iter().filter(wanted) {
+        findings.extend(fire_at(&UnderTest { backend, bvh: job.bvh }, &job.plan, scene, observer)?);
     }
     // The paths of a group side by side, in the order asked for.
     let place = |f: &Finding| job.plan.groups.iter().position(|&g| g == f.group);

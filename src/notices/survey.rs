@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::{Facts, Notice, of_picture, of_scene};
 use crate::Result;
-use crate::accel::{Unbounded, native::Native};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects;
 use crate::load::LoadReport;
 use crate::render::{self, Observer, Options, Pixels, Shortfall};
@@ -29,7 +29,7 @@ pub fn survey(
     observer: &Observer,
 ) -> Result<Vec<Notice>> {
     let options = Options { effects: effects::Options::default(), ..options.clone() };
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
         let mut outcome = render::render(scene, &accel, &options, observer)?;
         let pixels = Pixels::new(&accel, &options, observer);

@@ -94,7 +94,7 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     memory::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
-    let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel);
+    let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
     let parts = render_tiles(scene, accel, &facts, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
@@ -155,7 +155,13 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let facts = self.facts.get_or_init(|| SceneFacts::of(scene, accel, options).with_shafts(scene, accel));
+        let facts = match self.facts.get() {
+            Some(facts) => facts,
+            None => {
+                let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
+                self.facts.get_or_init(|| facts)
+            }
+        };
         let parts = render_tiles(scene, accel, facts, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
         for (results, counts) in parts {
@@ -187,9 +193,9 @@ impl<'a> SceneFacts<'a> {
     }
 
     /// Adds the shafts if the scene's area lamps need them.
-    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Self {
-        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry));
-        Self { shafts, ..self }
+    fn with_shafts<I: Intersector>(self, scene: &Scene, accel: &'a I) -> Result<Self> {
+        let shafts = soft::looks_through_shafts(scene).then(|| Shafts::new(accel, &scene.geometry)).transpose()?;
+        Ok(Self { shafts, ..self })
     }
 
     /// Picks the stages that the scene needs.

@@ -103,13 +103,6 @@ impl F32x8 {
         let (a, b, c, d) = (a.max_or(e), b.max_or(f), c.max_or(g), d.max_or(h));
         a.max_or(c).max_or(b.max_or(d))
     }
-
-    /// The smallest lane; NaN lanes are ignored.
-    #[inline(always)]
-    #[must_use]
-    pub fn reduce_min(self) -> f32 {
-        self.to_array().into_iter().fold(f32::INFINITY, f32::min)
-    }
 }
 
 impl From<f32> for F32x8 {

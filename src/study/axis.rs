@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::accel::Backend;
 use crate::geometry::Shape;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
@@ -36,17 +37,6 @@ pub enum Axis {
     Precision,
     /// Rays a pixel.
     Sampling,
-}
-
-/// What finds hits for the eight-wide renderer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Backend {
-    /// Our own eight-wide hierarchy.
-    Native,
-    /// Embree in its fast mode.
-    EmbreeFast,
-    /// Embree in its robust mode.
-    EmbreeRobust,
 }
 
 /// What a picture is computed in.
@@ -174,7 +164,7 @@ impl Axis {
                 fixed.into_iter().chain([6, 9, 12].map(|bits| Level::Proven(2.0_f32.powi(-bits)))).collect()
             }
             Self::Depth => [1, 2, 4, 8, 16, 64].map(Level::Depth).to_vec(),
-            Self::Backend => [Backend::EmbreeFast, Backend::EmbreeRobust, Backend::Native].map(Level::Backend).to_vec(),
+            Self::Backend => [Backend::EmbreeFast, Backend::Embree, Backend::Native].map(Level::Backend).to_vec(),
             Self::Triangles => {
                 let own = std::iter::once(Level::Triangles(None));
                 own.chain(TriangleModel::ALL.map(|test| Level::Triangles(Some(test)))).collect()
@@ -312,9 +302,7 @@ impl fmt::Display for Level {
             Self::Triangles(None) => f.write_str("own"),
             Self::Triangles(Some(test)) => f.write_str(test.name()),
             Self::Reciprocal(model) => f.write_str(model.name()),
-            Self::Backend(Backend::Native) => f.write_str("native"),
-            Self::Backend(Backend::EmbreeFast) => f.write_str("embree-fast"),
-            Self::Backend(Backend::EmbreeRobust) => f.write_str("embree"),
+            Self::Backend(backend) => f.write_str(backend.name()),
             Self::Precision(Precision::Single) => f.write_str("f32x8"),
             Self::Precision(Precision::Double) => f.write_str("f64"),
             Self::Sampling(n) => write!(f, "{n}x{n}"),

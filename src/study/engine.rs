@@ -2,16 +2,13 @@
 
 use std::time::Instant;
 
-use super::axis::{Backend, Precision, Spheres};
+use super::axis::{Precision, Spheres};
 use super::spheres::with_spheres;
 use super::variant::Variant;
-#[cfg(not(feature = "embree"))]
-use crate::Error;
 use crate::Result;
-use crate::accel::native::Native;
 use crate::accel::reference::Reference;
 use crate::accel::walk::{TestCounts, Walk};
-use crate::accel::{BuildQuality, Intersector, Unbounded};
+use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, Intersector, Unbounded};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::render::reference::{self, Prepared};
 use crate::render::{Observer, Options, Outcome, render};
@@ -27,7 +24,7 @@ pub struct Shot {
     pub seconds: f64,
     /// Wall time of building the hierarchy, now or the first time.
     pub build_seconds: f64,
-    /// TestCounts of triangle tests, where a walk of choice found the hits.
+    /// Numbers of triangle tests, where a walk of choice found the hits.
     pub lanes: Option<TestCounts>,
 }
 
@@ -45,18 +42,16 @@ struct Stage {
     spheres: Spheres,
     bvh: BuildQuality,
     scene: Scene,
-    native: Option<Built<Native>>,
-    /// By triangle test and reciprocal.
-    walks: Vec<((TriangleModel, ReciprocalModel), Built<Walk>)>,
-    #[cfg(feature = "embree")]
-    fast: Option<Built<crate::accel::embree::Embree>>,
-    #[cfg(feature = "embree")]
-    robust: Option<Built<crate::accel::embree::Embree>>,
+    accels: Kept<Backend, Accel>,
+    walks: Kept<(TriangleModel, ReciprocalModel), Unbounded<Walk>>,
 }
+
+/// Hierarchies by the choice that each was built for.
+type Kept<K, I> = Vec<(K, Built<I>)>;
 
 /// A hierarchy and the seconds that building it took.
 struct Built<I> {
-    accel: Unbounded<I>,
+    accel: I,
     seconds: f64,
 }
 
@@ -82,12 +77,18 @@ impl<'a> Engine<'a> {
         let threads = self.threads;
         let stage = self.stage(variant);
         stage.scene.settings = variant.settings(&stage.scene.settings);
-        if let Some(choice) = variant.walk() {
-            return stage.walked(choice, &options, observer);
+        let Stage { scene, accels, walks, .. } = stage;
+        if let Some((test, reciprocal)) = variant.walk() {
+            let built = built(walks, (test, reciprocal), || {
+                let walk = Walk::try_build(&scene.geometry, variant.bvh, test, reciprocal)?;
+                Ok(Unbounded::new(walk, &scene.geometry))
+            })?;
+            let before = built.accel.inner().test_counts();
+            let shot = timed(scene, built, &options, observer)?;
+            return Ok(Shot { lanes: Some(built.accel.inner().test_counts().since(before)), ..shot });
         }
-        let Stage { scene, native, .. } = stage;
-        match (variant.precision, variant.backend) {
-            (Precision::Double, _) => {
+        match variant.precision {
+            Precision::Double => {
                 let start = Instant::now();
                 Reference::need(&scene.geometry)?;
                 let prepared = Prepared::with(scene, &options);
@@ -96,101 +97,36 @@ impl<'a> Engine<'a> {
                 let outcome = reference::picture(&prepared, &options, observer)?;
                 Ok(Shot { outcome, seconds: start.elapsed().as_secs_f64(), build_seconds, lanes: None })
             }
-            (Precision::Single, Backend::Native) => {
-                let native = built(native, scene, || Native::try_build_as(&scene.geometry, variant.bvh))?;
-                timed(scene, native, &options, observer)
-            }
-            #[cfg(feature = "embree")]
-            (Precision::Single, backend) => {
-                use crate::accel::embree::{self, Embree, Mode};
-                let (slot, mode) = match backend {
-                    Backend::EmbreeFast => (&mut stage.fast, Mode::Fast),
-                    _ => (&mut stage.robust, Mode::Robust),
-                };
-                let build =
-                    embree::Options { mode, quality: variant.bvh.into(), threads, ..embree::Options::default() };
-                let embree = built(slot, scene, || Embree::build(&scene.geometry, &build))?;
-                timed(scene, embree, &options, observer)
-            }
-            #[cfg(not(feature = "embree"))]
-            (Precision::Single, _) => {
-                let _ = threads;
-                Err(Error::Limit(String::from(
-                    "this program was built without Embree; `cargo build --release --features embree` builds one with it",
-                )))
+            Precision::Single => {
+                let build = BuildOptions { quality: variant.bvh, threads };
+                let built = built(accels, variant.backend, || Accel::build(variant.backend, &scene.geometry, build))?;
+                timed(scene, built, &options, observer)
             }
         }
     }
 
     fn stage(&mut self, &Variant { spheres, bvh, .. }: &Variant) -> &mut Stage {
         let place = self.stages.iter().position(|s| (s.spheres, s.bvh) == (spheres, bvh)).unwrap_or_else(|| {
-            self.stages.push(Stage {
-                spheres,
-                bvh,
-                scene: with_spheres(self.scene, spheres),
-                native: None,
-                walks: Vec::new(),
-                #[cfg(feature = "embree")]
-                fast: None,
-                #[cfg(feature = "embree")]
-                robust: None,
-            });
+            let scene = with_spheres(self.scene, spheres);
+            self.stages.push(Stage { spheres, bvh, scene, accels: Vec::new(), walks: Vec::new() });
             self.stages.len() - 1
         });
         &mut self.stages[place]
     }
 }
 
-impl Stage {
-    fn walked(
-        &mut self,
-        choice: (TriangleModel, ReciprocalModel),
-        options: &Options,
-        observer: &Observer,
-    ) -> Result<Shot> {
-        let place = self.walks.iter().position(|(of, _)| *of == choice);
-        let mut slot = place.map(|i| self.walks.swap_remove(i).1);
-        let (test, reciprocal) = choice;
-        let walk = built(&mut slot, &self.scene, || Walk::try_build(&self.scene.geometry, self.bvh, test, reciprocal))?;
-        let before = walk.accel.inner().test_counts();
-        let shot = timed(&self.scene, walk, options, observer);
-        let lanes = walk.accel.inner().test_counts().since(before);
-        self.walks.extend(slot.map(|walk| (choice, walk)));
-        Ok(Shot { lanes: Some(lanes), ..shot? })
-    }
-}
-
-/// Whether this program and this machine have what a back end needs.
-///
-/// # Errors
-/// A limit that says what is missing.
-pub fn available(backend: Backend) -> Result<()> {
-    match backend {
-        Backend::Native => Ok(()),
-        #[cfg(feature = "embree")]
-        _ => crate::accel::embree::device::Library::open(None).map(|_| ()),
-        #[cfg(not(feature = "embree"))]
-        _ => Err(Error::Limit(String::from("this program was built without Embree"))),
-    }
-}
-
-fn built<'b, I>(
-    slot: &'b mut Option<Built<I>>,
-    scene: &Scene,
-    build: impl FnOnce() -> Result<I>,
-) -> Result<&'b Built<I>>
-where
-    I: Intersector,
-{
-    let kept = match slot.take() {
-        Some(kept) => kept,
+/// The hierarchy kept under `key`, built first where there is none.
+fn built<K: PartialEq, I>(kept: &mut Kept<K, I>, key: K, build: impl FnOnce() -> Result<I>) -> Result<&Built<I>> {
+    let place = match kept.iter().position(|(of, _)| *of == key) {
+        Some(place) => place,
         None => {
             let start = Instant::now();
-            let accel = Unbounded::new(build()?, &scene.geometry);
-            Built { accel, seconds: start.elapsed().as_secs_f64() }
+            let accel = build()?;
+            kept.push((key, Built { accel, seconds: start.elapsed().as_secs_f64() }));
+            kept.len() - 1
         }
     };
-    Ok(slot.insert(kept))
+    Ok(&kept[place].1)
 }
 
 fn timed<I: Intersector>(scene: &Scene, built: &Built<I>, options: &Options, observer: &Observer) -> Result<Shot> {
@@ -202,6 +138,7 @@ fn timed<I: Intersector>(scene: &Scene, built: &Built<I>, options: &Options, obs
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::native::Native;
     use crate::geometry::{Geometry, GeometryMask, Shape};
     use crate::load::shapes;
     use crate::scene::{Material, Medium, Object, Origin, Settings};
@@ -226,7 +163,7 @@ mod tests {
             }
         }
         let want = BuildQuality::ALL.map(|bvh| Native::build_as(&scene.geometry, bvh).build_stats().nodes);
-        let native = |s: &Stage| s.native.as_ref().map_or(0, |built| built.accel.build_stats().nodes);
+        let native = |s: &Stage| s.accels[0].1.accel.build_stats().nodes;
         let walk = |s: &Stage| s.walks[0].1.accel.build_stats().nodes;
         assert_eq!(engine.stages.iter().map(native).collect::<Vec<_>>(), want);
         assert_eq!(engine.stages.iter().map(walk).collect::<Vec<_>>(), want);

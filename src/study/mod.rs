@@ -28,7 +28,7 @@ pub mod spheres;
 pub mod text;
 pub mod variant;
 
-pub use axis::{Axis, Backend, Level, Precision, Spheres};
+pub use axis::{Axis, Level, Precision, Spheres};
 pub use engine::Engine;
 pub use errors::Errors;
 pub use journal::Journal;

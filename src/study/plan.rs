@@ -1,7 +1,6 @@
 //! Which variants are worth their time.
 
 use super::axis::{Axis, Level};
-use super::engine;
 use super::front::front;
 use super::variant::Variant;
 use crate::scene::Scene;
@@ -41,10 +40,10 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
         let mut variants = Vec::new();
         for level in axis.levels().into_iter().filter(|level| *level != default.level(axis)) {
             match level {
-                Level::Backend(backend) if engine::available(backend).is_err() => {
-                    let why = engine::available(backend).err().map_or_else(String::new, |e| e.to_string());
-                    left_out.push(format!("backend {level}: {why}"));
-                }
+                Level::Backend(backend) => match backend.availability() {
+                    Ok(()) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(format!("backend {level}: {why}")),
+                },
                 _ => variants.push(default.with(level)),
             }
         }
@@ -133,8 +132,8 @@ fn combined(base: &Point, single: &Point, default: &Point) -> Point {
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::Backend;
     use super::*;
+    use crate::accel::Backend;
     use crate::optics::FresnelModel;
     use crate::scene::{Settings, ShadowRule};
 

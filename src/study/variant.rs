@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::axis::{Axis, Backend, Level, Precision, Spheres};
-use crate::accel::BuildQuality;
+use super::axis::{Axis, Level, Precision, Spheres};
+use crate::accel::{Backend, BuildQuality};
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, Oliveira, RefractionModel};
 use crate::render::{Options, Reflection};

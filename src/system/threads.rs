@@ -1,6 +1,7 @@
 //! Threads, with stacks of a fixed size that is asked for before they start.
 
-use std::thread::Builder;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, Builder};
 
 use super::memory;
 use crate::{Error, Result};
@@ -43,6 +44,25 @@ pub fn pool(count: usize) -> Result<rayon::ThreadPool> {
     rayon::ThreadPoolBuilder::new().num_threads(count).stack_size(STACK).build().map_err(|e| refused(count, &e))
 }
 
+/// Checks that the system starts `count` threads now, on behalf of a library that would end the process where it does not.
+///
+/// # Errors
+/// [`Error::Limit`], where it does not.
+pub fn probe(count: usize) -> Result<()> {
+    /// Bytes of a stack on which nothing is done.
+    const LITTLE: usize = 64 << 10;
+    let gate = Mutex::new(());
+    thread::scope(|scope| {
+        // All of them wait, so that they are there at once. The guard is dropped before the scope waits for them.
+        let _closed = gate.lock().unwrap_or_else(PoisonError::into_inner);
+        for _ in 0..count {
+            let started = Builder::new().stack_size(LITTLE).spawn_scoped(scope, || drop(gate.lock()));
+            started.map_err(|e| refused(count, &e))?;
+        }
+        Ok(())
+    })
+}
+
 /// Starts rayon's own pool, once for the whole program.
 ///
 /// # Errors
@@ -55,7 +75,8 @@ pub fn start_global_pool(count: usize) -> Result<()> {
 
 /// The error for threads that the system did not start.
 pub fn refused(count: usize, why: &dyn std::fmt::Display) -> Error {
-    Error::Limit(format!("cannot start {count} threads: {why}; raise the limit on processes (`ulimit -u`) or {CURE}"))
+    let threads = if count == 1 { "thread" } else { "threads" };
+    Error::Limit(format!("cannot start {count} {threads}: {why}; raise the limit on processes (`ulimit -u`) or {CURE}"))
 }
 
 /// Runs `command` on a thread with a large stack of its own. The main thread's stack may be smaller than a command
@@ -68,7 +89,7 @@ pub fn refused(count: usize, why: &dyn std::fmt::Display) -> Error {
 /// If `command` panics.
 pub fn on_own_stack<T: Send>(command: impl FnOnce() -> T + Send) -> Result<T> {
     memory::need("the start of the program", (COMMAND_STACK + 8 * BESIDE) as u64, "run it on a larger machine")?;
-    std::thread::scope(|scope| {
+    thread::scope(|scope| {
         let builder = Builder::new().name(String::from("vitrum")).stack_size(COMMAND_STACK);
         let running = builder.spawn_scoped(scope, command);
         let running = running.map_err(|e| Error::Limit(format!("cannot start a thread: {e}; raise `ulimit -u`")))?;
@@ -83,6 +104,7 @@ mod tests {
     #[test]
     fn a_pool_has_as_many_threads_as_asked_for_and_what_no_memory_holds_is_a_limit() {
         assert_eq!(pool(3).unwrap().current_num_threads(), 3);
+        probe(3).unwrap();
         let refused = need(usize::MAX / 4).unwrap_err();
         assert_eq!(refused.exit_code(), 4);
         assert!(refused.to_string().contains("--threads"), "{refused}");

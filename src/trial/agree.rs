@@ -43,7 +43,7 @@ impl Finding {
     /// Whether figures mean nothing beside it.
     #[must_use]
     pub fn refuses(&self) -> bool {
-        self.fault != Fault::Leak || self.label.backend == "native"
+        self.fault != Fault::Leak || self.label.backend.is_exact()
     }
 }
 
@@ -137,11 +137,11 @@ fn apart(a: &Hit, b: &Hit) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contender::native;
+    use super::super::contender::contenders;
     use super::super::rays::{Picture, RayKind, View, all, bounds};
     use super::super::team::Team;
     use super::*;
-    use crate::accel::native::Native;
+    use crate::accel::{Accel, Backend, BuildQuality};
     use crate::geometry::{GeometryMask, Shape, TriMesh};
     use crate::simd::Mask8;
     use glam::Vec3;
@@ -162,15 +162,15 @@ mod tests {
         vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }]
     }
 
-    const WRONG: Label = Label { backend: "native", mode: "wrong" };
+    const WRONG: Label = Label { backend: Backend::Native, mode: "wrong" };
 
     /// The answers of the native path, and the same with a mistake put in by `spoil`.
     fn spoiled(kind: RayKind, spoil: impl Fn(&mut Answers)) -> Vec<Finding> {
         let geometry = hills(20);
-        let accel = Native::build(&geometry);
+        let accel = Accel::build(Backend::Native, &geometry, BuildQuality::Default).unwrap();
         let sets = all(&accel, &geometry, &View::of(&bounds(&geometry)), &Picture { edge: 64, one_in: 1 });
         let set = sets.iter().find(|s| s.kind == kind).unwrap();
-        let mut auto = native(&accel).swap_remove(0);
+        let mut auto = contenders(&accel).swap_remove(0);
         auto.prepare(set);
         auto.trace(set, &Team::new(1).unwrap());
         let right = auto.answers(set);
@@ -227,8 +227,8 @@ mod tests {
             let label = Label { backend, mode: "auto" };
             Finding { label, rays: "primary", wrong: 1, judged: 1, differ: 1, fault, ray: 0 }.refuses()
         };
-        assert!(finding("native", Fault::Leak) && finding("embree-fast", Fault::MissedHit));
-        assert!(!finding("embree-fast", Fault::Leak));
+        assert!(finding(Backend::Native, Fault::Leak) && finding(Backend::EmbreeFast, Fault::MissedHit));
+        assert!(!finding(Backend::EmbreeFast, Fault::Leak));
     }
 
     #[test]

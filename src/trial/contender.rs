@@ -1,99 +1,92 @@
-//! Who takes part: a way to trace rays, with its name.
+//! The contenders of a trial: accelerators under the clock, each with its name.
 
 use std::sync::{Mutex, PoisonError};
 
+use super::prepacked::Prepacked;
 use super::rays::RaySet;
 use super::team::Team;
-use crate::accel::native::{Kernel, Native, Scratch};
-use crate::accel::{BuildStats, Coherence, Intersector};
-use crate::geometry::{Hit8, Ray8};
+use crate::accel::{Accel, Backend, Intersector};
+use crate::geometry::Hit8;
 use crate::simd::Mask8;
 
-/// Packets that a thread takes at a time: what renders hand over at once, some hundred microseconds of work.
+/// Packets that a thread takes at a time: the stream length of a render, some hundred microseconds of work.
 pub const PIECE: usize = 1024;
 
-/// What a contender is called in reports.
+/// Name of a contender in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Label {
-    /// `native`, `embree-robust` or `embree-fast`.
-    pub backend: &'static str,
-    /// `auto`, or what is forced.
+    /// The back end.
+    pub backend: Backend,
+    /// `auto`, or the kernel that it is held to.
     pub mode: &'static str,
 }
 
+/// The mode of a contender that chooses its kernels itself, as in renders.
+pub const AUTO: &str = "auto";
+
 impl std::fmt::Display for Label {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{} {}", self.backend, self.mode)
+        write!(f, "{} {}", self.backend.mode_name(), self.mode)
     }
 }
 
-/// What a contender found, packet by packet.
+/// Answers of a contender, packet by packet.
 #[derive(Clone, Debug)]
 pub enum Answers {
     /// The nearest hits.
     Closest(Vec<Hit8>),
-    /// Whether anything was hit.
+    /// Lanes whose ray is blocked.
     Blocked(Vec<Mask8>),
 }
 
-/// A way to trace rays.
+/// One of the participants of a trial.
 pub trait Contender {
     /// Its name.
     fn label(&self) -> Label;
 
-    /// Whatever need not be timed: room for the answers, rays in its own layout. Called before each run.
+    /// Does the work that is not timed: room for the answers, rays in its own layout. Called before each run.
     fn prepare(&mut self, set: &RaySet);
 
-    /// Traces all rays of the set it was prepared for: what is timed.
+    /// Traces all rays of the set that it was prepared for. The clock runs meanwhile.
     fn trace(&mut self, set: &RaySet, team: &Team);
 
-    /// What the last run found.
+    /// The answers of the last run.
     fn answers(&self, set: &RaySet) -> Answers;
 }
 
-/// An accelerator, asked as renders ask it: a stream of [`Ray8`] in, hits out.
-pub struct Through<I: Intersector> {
+/// An accelerator that traces ray streams, as in a render.
+struct Streams {
     label: Label,
-    accel: I,
+    accel: Accel,
     hits: Vec<Hit8>,
     blocked: Vec<Mask8>,
-    /// What the threads of the last run left, since a render, too, makes it once and not for every few rays.
-    spare: Mutex<Vec<I::Scratch>>,
+    /// Scratch memory of the threads of earlier runs. A render makes it once, too.
+    spare: Mutex<Vec<Scratch>>,
 }
 
-/// Scratch on loan.
-struct Loan<'a, S> {
-    scratch: Option<S>,
-    spare: &'a Mutex<Vec<S>>,
+type Scratch = <Accel as Intersector>::Scratch;
+
+/// Scratch memory on loan. Returns it when dropped.
+struct Loan<'a> {
+    scratch: Scratch,
+    spare: &'a Mutex<Vec<Scratch>>,
 }
 
-impl<'a, S: Default> Loan<'a, S> {
-    fn new(spare: &'a Mutex<Vec<S>>) -> Self {
+impl<'a> Loan<'a> {
+    fn new(spare: &'a Mutex<Vec<Scratch>>) -> Self {
         let scratch = spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        Self { scratch: Some(scratch.unwrap_or_default()), spare }
-    }
-
-    fn get(&mut self) -> &mut S {
-        self.scratch.get_or_insert_default()
+        Self { scratch: scratch.unwrap_or_default(), spare }
     }
 }
 
-impl<S> Drop for Loan<'_, S> {
+impl Drop for Loan<'_> {
     fn drop(&mut self) {
-        let scratch = self.scratch.take();
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner).extend(scratch);
+        let scratch = std::mem::take(&mut self.scratch);
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
 }
 
-impl<I: Intersector> Through<I> {
-    /// `accel` under a name.
-    pub fn new(backend: &'static str, mode: &'static str, accel: I) -> Self {
-        let label = Label { backend, mode };
-        Self { label, accel, hits: Vec::new(), blocked: Vec::new(), spare: Mutex::default() }
-    }
-}
-
-impl<I: Intersector> Contender for Through<I> {
+impl Contender for Streams {
     fn label(&self) -> Label {
         self.label
     }
@@ -111,14 +104,14 @@ impl<I: Intersector> Contender for Through<I> {
             team.share(
                 pieces,
                 || Loan::new(spare),
-                |loan, (rays, blocked)| accel.occluded(rays, blocked, coherence, loan.get()),
+                |loan, (rays, blocked)| accel.occluded(rays, blocked, coherence, &mut loan.scratch),
             );
         } else {
             let pieces = pieces.zip(self.hits.chunks_mut(PIECE));
             team.share(
                 pieces,
                 || Loan::new(spare),
-                |loan, (rays, hits)| accel.closest(rays, hits, coherence, loan.get()),
+                |loan, (rays, hits)| accel.closest(rays, hits, coherence, &mut loan.scratch),
             );
         }
     }
@@ -128,46 +121,19 @@ impl<I: Intersector> Contender for Through<I> {
     }
 }
 
-/// The native hierarchy with one kernel for all packets.
-#[derive(Clone, Copy)]
-pub struct Forced<'a> {
-    native: &'a Native,
-    kernel: Kernel,
-}
-
-impl<'a> Forced<'a> {
-    /// `native` by `kernel` alone.
-    #[must_use]
-    pub fn new(native: &'a Native, kernel: Kernel) -> Self {
-        Self { native, kernel }
-    }
-}
-
-impl Intersector for Forced<'_> {
-    type Scratch = Scratch;
-
-    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
-        self.native.closest_with(self.kernel, rays, hits, coherence, scratch);
-    }
-
-    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
-        self.native.occluded_with(self.kernel, rays, blocked, coherence, scratch);
-    }
-
-    fn build_stats(&self) -> BuildStats {
-        self.native.build_stats()
-    }
-}
-
-/// The native hierarchy: as renders use it, then by each kernel alone.
-pub fn native(native: &Native) -> Vec<Box<dyn Contender + '_>> {
-    let by = |mode, kernel| -> Box<dyn Contender + '_> {
-        Box::new(Through::new("native", mode, Forced::new(native, kernel)))
+/// All contenders over one accelerator. The first traces as in renders. Of native, the others are held to one kernel each;
+/// of Embree, they make calls of one width and flag on rays that were packed beforehand.
+#[must_use]
+pub fn contenders(accel: &Accel) -> Vec<Box<dyn Contender + '_>> {
+    let backend = accel.backend();
+    let streams = |mode, accel: Accel| -> Box<dyn Contender + '_> {
+        let label = Label { backend, mode };
+        Box::new(Streams { label, accel, hits: Vec::new(), blocked: Vec::new(), spare: Mutex::default() })
     };
-    vec![
-        by("auto", Kernel::Auto),
-        by("single", Kernel::Single),
-        by("packet", Kernel::Packet),
-        by("batch", Kernel::Stream),
-    ]
+    let mut all = vec![streams(AUTO, accel.clone())];
+    match accel.embree() {
+        None => all.extend(accel.by_kernel().map(|(mode, accel)| streams(mode, accel))),
+        Some(embree) => all.extend(Prepacked::all(backend, embree)),
+    }
+    all
 }

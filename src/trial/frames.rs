@@ -9,13 +9,13 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::machine::Machine;
+use super::report::mode_name;
 use super::timing::{self, Figure};
 use crate::Result;
-use crate::accel::native::Native;
-use crate::accel::{BuildQuality, BuildStats, Coherence, Intersector, Unbounded};
+use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, BuildStats, Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
 use crate::image::Film;
-use crate::render::{self, Observer, Options, Outcome};
+use crate::render::{self, Observer, Options};
 use crate::scene::Scene;
 use crate::simd::Mask8;
 
@@ -38,8 +38,9 @@ pub struct Frames {
 pub struct Frame {
     /// Name of the scene.
     pub scene: String,
-    /// `native`, `embree-robust` or `embree-fast`.
-    pub backend: &'static str,
+    /// The back end.
+    #[serde(serialize_with = "mode_name")]
+    pub backend: Backend,
     /// Threads that rendered.
     pub threads: usize,
     /// Rays of all kinds.
@@ -61,8 +62,9 @@ pub struct FrameRatio {
     pub scene: String,
     /// Threads that rendered.
     pub threads: usize,
-    /// `embree-robust` or `embree-fast`.
-    pub against: &'static str,
+    /// Embree in one of its modes.
+    #[serde(serialize_with = "mode_name")]
+    pub against: Backend,
     /// Embree's time over the native path's, median of the rounds' ratios: above 1 native is faster.
     pub ratio: f64,
     /// Its 10th and 90th percentile.
@@ -96,51 +98,12 @@ pub fn run(scenes: &[(String, Scene)], plan: &FramePlan, machine: Machine, obser
     let embree = machine.embree.is_some();
     let mut report = Frames { machine, frames: Vec::new(), ratios: Vec::new() };
     for (name, scene) in scenes {
-        let ways = ways(scene, plan, embree)?;
+        let accels = build(scene, plan, embree)?;
         for &threads in &plan.threads {
-            measure(name, scene, &ways, threads, plan.rounds.max(1), observer, &mut report)?;
+            measure(name, scene, &accels, threads, plan.rounds.max(1), observer, &mut report)?;
         }
     }
     Ok(report)
-}
-
-/// A back end that a scene was built for.
-struct Way {
-    name: &'static str,
-    accel: Box<dyn Renders>,
-}
-
-impl Way {
-    fn new(name: &'static str, accel: impl Intersector + 'static, scene: &Scene) -> Self {
-        Self { name, accel: Box::new(Unbounded::new(accel, &scene.geometry)) }
-    }
-}
-
-/// Renders over an accelerator, whatever its type.
-trait Renders {
-    /// A picture; into the counter, nanoseconds that tracing took, all threads together.
-    fn picture(
-        &self,
-        scene: &Scene,
-        options: &Options,
-        observer: &Observer,
-        nanos: Option<&AtomicU64>,
-    ) -> Result<Outcome>;
-}
-
-impl<I: Intersector> Renders for Unbounded<I> {
-    fn picture(
-        &self,
-        scene: &Scene,
-        options: &Options,
-        observer: &Observer,
-        nanos: Option<&AtomicU64>,
-    ) -> Result<Outcome> {
-        match nanos {
-            None => render::render(scene, self, options, observer),
-            Some(nanos) => render::render(scene, &Timed { inner: self, nanos }, options, observer),
-        }
-    }
 }
 
 /// An accelerator whose calls are timed.
@@ -173,25 +136,22 @@ impl<I: Intersector> Intersector for Timed<'_, I> {
     }
 }
 
-/// Builds for everyone, the native path first; Embree's only where asked for and built in.
-fn ways(scene: &Scene, plan: &FramePlan, embree: bool) -> Result<Vec<Way>> {
-    let native =
-        std::iter::once_with(|| Ok(Way::new("native", Native::try_build_as(&scene.geometry, plan.bvh)?, scene)));
-    #[cfg(not(feature = "embree"))]
-    let _ = embree;
-    #[cfg(feature = "embree")]
-    let native = native.chain(super::embree::MODES.into_iter().filter(|_| embree).map(|(name, mode)| {
-        let threads = plan.threads.iter().copied().max().unwrap_or(1);
-        Ok(Way::new(name, super::embree::build(&scene.geometry, mode, threads)?, scene))
-    }));
-    native.collect()
+/// The accelerators of all back ends, native first; Embree's of `MEDIUM` quality, where `embree` is true.
+fn build(scene: &Scene, plan: &FramePlan, embree: bool) -> Result<Vec<Accel>> {
+    let threads = plan.threads.iter().copied().max().unwrap_or(1);
+    let backends = Backend::ALL.into_iter().filter(|&backend| embree || backend == Backend::Native);
+    let build = |backend| {
+        let quality = if backend == Backend::Native { plan.bvh } else { BuildQuality::Default };
+        Accel::build(backend, &scene.geometry, BuildOptions { quality, threads })
+    };
+    backends.map(build).collect()
 }
 
 /// One scene by one number of threads.
 fn measure(
     name: &str,
     scene: &Scene,
-    ways: &[Way],
+    accels: &[Accel],
     threads: usize,
     rounds: usize,
     observer: &Observer,
@@ -199,15 +159,15 @@ fn measure(
 ) -> Result<()> {
     let options = Options { threads, ..Options::default() };
     let mut films: Vec<Film> = Vec::new();
-    for way in ways {
+    for accel in accels {
         let nanos = AtomicU64::new(0);
         let start = Instant::now();
-        let outcome = way.accel.picture(scene, &options, observer, Some(&nanos))?;
+        let outcome = render::render(scene, &Timed { inner: accel, nanos: &nanos }, &options, observer)?;
         let all = start.elapsed().as_secs_f64() * threads as f64;
         films.push(outcome.film);
         report.frames.push(Frame {
             scene: name.to_owned(),
-            backend: way.name,
+            backend: accel.backend(),
             threads,
             rays: outcome.rays.total(),
             ms: 0.0,
@@ -216,22 +176,22 @@ fn measure(
             different: different(&films[0], &films[films.len() - 1]),
         });
     }
-    let mut seconds = vec![Vec::with_capacity(rounds); ways.len()];
+    let mut seconds = vec![Vec::with_capacity(rounds); accels.len()];
     for _ in 0..rounds {
-        for (way, seconds) in ways.iter().zip(&mut seconds) {
+        for (accel, seconds) in accels.iter().zip(&mut seconds) {
             let start = Instant::now();
-            way.accel.picture(scene, &options, observer, None)?;
+            render::render(scene, accel, &options, observer)?;
             seconds.push(start.elapsed().as_secs_f64());
         }
     }
-    let first = report.frames.len() - ways.len();
-    for ((frame, way), seconds_of) in report.frames[first..].iter_mut().zip(ways).zip(&seconds) {
+    let first = report.frames.len() - accels.len();
+    for (frame, seconds_of) in report.frames[first..].iter_mut().zip(&seconds) {
         let figure = Figure::of(seconds_of.iter().map(|s| s * 1e3).collect());
         (frame.ms, frame.spread) = (figure.median, figure.spread);
-        if way.name != "native" {
+        if frame.backend != Backend::Native {
             let Figure { median, spread } = timing::ratio(&seconds[0], seconds_of);
             let scene = name.to_owned();
-            report.ratios.push(FrameRatio { scene, threads, against: way.name, ratio: median, spread });
+            report.ratios.push(FrameRatio { scene, threads, against: frame.backend, ratio: median, spread });
         }
     }
     Ok(())
@@ -260,7 +220,7 @@ pub fn table(report: &Frames) -> String {
         rows.push(vec![
             f.scene.clone(),
             f.threads.to_string(),
-            f.backend.to_owned(),
+            f.backend.mode_name().to_owned(),
             format!("{:.1}", f.ms),
             format!("{:.1}..{:.1}", f.spread[0], f.spread[1]),
             format!("{:.0} %", f.traversal * 100.0),

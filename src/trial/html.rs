@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::contender::AUTO;
 use super::report::{Report, Row};
+use crate::accel::Backend;
 
 /// Width of the longest bar, in pixels.
 const BAR: f64 = 420.0;
@@ -53,10 +55,10 @@ pub fn page(report: &Report) -> String {
 /// The row to show of each back end: native as renders use it, Embree at its best.
 fn shown<'a>(report: &'a Report, mesh: &'a str, kind: &'a str, threads: usize) -> Vec<(usize, &'a Row)> {
     let backends = report.backends();
-    let best = |(k, backend): (usize, &&str)| {
+    let best = |(k, backend): (usize, &Backend)| {
         let rows = report.rows_of(mesh, kind, threads).filter(|r| r.backend == *backend);
         let row = rows
-            .filter(|r| *backend != "native" || r.mode == "auto")
+            .filter(|r| *backend != Backend::Native || r.mode == AUTO)
             .max_by(|a, b| a.mrays_per_s.total_cmp(&b.mrays_per_s))?;
         Some((k, row))
     };
@@ -79,7 +81,7 @@ fn chart(report: &Report, mesh: &str, threads: usize) -> String {
     for (kind, rows) in &groups {
         for (i, (colour, row)) in rows.iter().enumerate() {
             let (middle, length) = (y + LINE * 0.5, row.mrays_per_s * scale);
-            let name = format!("{} {}", row.backend, row.mode);
+            let name = format!("{} {}", row.backend.mode_name(), row.mode);
             if i == 0 {
                 let _ = writeln!(text, "<text x=\"0\" y=\"{:.1}\" font-weight=\"bold\">{kind}</text>", middle + 4.0);
             }
@@ -117,7 +119,11 @@ fn builds(report: &Report, mesh: &str) -> String {
         let _ = writeln!(
             text,
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{:.1}</td></tr>",
-            b.backend, b.quality, b.threads, b.ms, b.bytes_per_triangle
+            b.backend.mode_name(),
+            b.quality,
+            b.threads,
+            b.ms,
+            b.bytes_per_triangle
         );
     }
     text + "</table>\n"

@@ -1,5 +1,6 @@
 //! What it all runs on.
 
+use crate::accel::embree::Installed;
 use crate::simd::level;
 
 /// The machine and the build, as reports have them.
@@ -14,28 +15,13 @@ pub struct Machine {
     /// The version of this program.
     pub vitrum: &'static str,
     /// Embree, where it takes part.
-    pub embree: Option<Embree>,
-}
-
-/// The Embree that was found.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct Embree {
-    /// Major, minor and patch.
-    pub version: String,
-    /// The widest instructions that it traces packets with.
-    pub isa: &'static str,
-    /// Its tasking system.
-    pub tasking: &'static str,
-    /// The file it was loaded from.
-    pub file: String,
-    /// How that was found.
-    pub found_by: &'static str,
+    pub embree: Option<Installed>,
 }
 
 impl Machine {
     /// This one.
     #[must_use]
-    pub fn this(embree: Option<Embree>) -> Self {
+    pub fn this(embree: Option<Installed>) -> Self {
         Self {
             cpu: cpu(),
             processors: std::thread::available_parallelism().map_or(1, usize::from),
@@ -59,33 +45,4 @@ pub fn cpu() -> String {
         }
     }
     std::env::consts::ARCH.to_owned()
-}
-
-/// Loads Embree.
-///
-/// # Errors
-/// [`crate::Error::Limit`] where the library is missing or unfit, or the program was built without the back end.
-pub fn embree() -> crate::Result<Embree> {
-    #[cfg(feature = "embree")]
-    {
-        let library = crate::accel::embree::device::Library::open(None)?;
-        let [major, minor, patch] = library.version;
-        let isa = match () {
-            () if library.native16 => "AVX-512",
-            #[cfg(target_arch = "x86_64")]
-            () if std::arch::is_x86_feature_detected!("avx2") => "AVX2",
-            () => "narrower than AVX2",
-        };
-        Ok(Embree {
-            version: format!("{major}.{minor}.{patch}"),
-            isa,
-            tasking: library.tasking,
-            file: library.file.display().to_string(),
-            found_by: library.because,
-        })
-    }
-    #[cfg(not(feature = "embree"))]
-    Err(crate::Error::Limit(String::from(
-        "Embree: this program was built without it; build with `cargo build --release --features embree`",
-    )))
 }

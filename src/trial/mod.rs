@@ -3,13 +3,12 @@
 
 pub mod agree;
 pub mod contender;
-#[cfg(feature = "embree")]
-pub mod embree;
 pub mod frames;
 pub mod html;
 pub mod machine;
 pub mod parity;
 pub mod plot;
+mod prepacked;
 pub mod random;
 pub mod rays;
 pub mod report;
@@ -23,5 +22,5 @@ pub mod verify;
 pub use machine::Machine;
 pub use rays::{Picture, RayKind, RaySet, View};
 pub use report::Report;
-pub use run::{Outcome, Plan, Subject};
+pub use run::{BenchPlan, Outcome, Subject};
 pub use timing::Watch;

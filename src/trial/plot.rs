@@ -1,6 +1,8 @@
 //! What size costs, as a picture: rays a second, and nanoseconds of building a triangle, against triangles.
 
+use super::contender::AUTO;
 use super::report::Report;
+use crate::accel::Backend;
 
 /// Colours of the lines, in turn.
 const COLOURS: [&str; 4] = ["#0b6e99", "#c0561f", "#4e9f3d", "#8a4fb0"];
@@ -33,14 +35,14 @@ pub fn svg(report: &Report) -> String {
 fn rates(report: &Report) -> Vec<Line> {
     let mut lines = Vec::new();
     for kind in report.kinds() {
-        for backend in ["native", "embree-robust"] {
+        for backend in [Backend::Native, Backend::Embree] {
             let best = |mesh: &&str| {
                 let of = report.rows_of(mesh, kind, 1).filter(|r| r.backend == backend);
-                let rate = of.filter(|r| backend != "native" || r.mode == "auto").map(|r| r.mrays_per_s);
+                let rate = of.filter(|r| backend != Backend::Native || r.mode == AUTO).map(|r| r.mrays_per_s);
                 rate.max_by(f64::total_cmp).map(|rate| (report.triangles(mesh) as f64, rate))
             };
             let points: Vec<_> = report.meshes().iter().filter_map(best).collect();
-            lines.push(Line { name: format!("{kind}, {backend}"), points });
+            lines.push(Line { name: format!("{kind}, {}", backend.mode_name()), points });
         }
     }
     lines.retain(|l| !l.points.is_empty());
@@ -49,19 +51,19 @@ fn rates(report: &Report) -> Vec<Line> {
 
 /// Triangles and nanoseconds a triangle; and what n log n would make of the first native one.
 fn builds(report: &Report) -> Vec<Line> {
-    let of = |backend: &'static str| {
+    let of = |backend: Backend| {
         let of = report.builds.iter().filter(move |b| b.backend == backend && b.threads == 1);
         let point = |b: &super::report::Build| {
             let n = report.triangles(&b.mesh) as f64;
             (n, b.ms * 1e6 / n)
         };
-        Line { name: backend.to_owned(), points: of.map(point).collect() }
+        Line { name: backend.mode_name().to_owned(), points: of.map(point).collect() }
     };
-    let native = of("native");
+    let native = of(Backend::Native);
     let middle = native.points.get(native.points.len() / 2).copied();
     let law = |&(n, _): &(f64, f64)| middle.map(|(m, ns)| (n, ns * n.ln() / m.ln()));
     let law = Line { name: String::from("n log n"), points: native.points.iter().filter_map(law).collect() };
-    let mut lines = vec![native, of("embree-robust"), law];
+    let mut lines = vec![native, of(Backend::Embree), law];
     lines.retain(|l| !l.points.is_empty());
     lines
 }

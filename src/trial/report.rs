@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::machine::Machine;
+use crate::accel::Backend;
 
 /// Everything that was measured.
 #[derive(Clone, Debug, Serialize)]
@@ -26,8 +27,9 @@ pub struct Row {
     pub triangles: usize,
     /// Kind of rays.
     pub rays: &'static str,
-    /// `native`, `embree-robust` or `embree-fast`.
-    pub backend: &'static str,
+    /// The back end.
+    #[serde(serialize_with = "mode_name")]
+    pub backend: Backend,
     /// How it traced.
     pub mode: &'static str,
     /// Threads that traced.
@@ -43,8 +45,9 @@ pub struct Row {
 pub struct Build {
     /// Name of the mesh or scene.
     pub mesh: String,
-    /// `native`, `embree-robust` or `embree-fast`.
-    pub backend: &'static str,
+    /// The back end.
+    #[serde(serialize_with = "mode_name")]
+    pub backend: Backend,
     /// How it was built: `fast`, `default` or `high` (native), `medium` (Embree's name).
     pub quality: &'static str,
     /// Threads that built.
@@ -64,8 +67,9 @@ pub struct Ratio {
     pub rays: &'static str,
     /// Threads that traced.
     pub threads: usize,
-    /// `embree-robust` or `embree-fast`.
-    pub against: &'static str,
+    /// Embree in one of its modes.
+    #[serde(serialize_with = "mode_name")]
+    pub against: Backend,
     /// The mode of Embree with the highest median.
     pub embree_mode: &'static str,
     /// Native rays a second over Embree's, median of the rounds' ratios: above 1 native is faster.
@@ -83,7 +87,7 @@ impl Report {
 
     /// Names of the back ends, in order.
     #[must_use]
-    pub fn backends(&self) -> Vec<&'static str> {
+    pub fn backends(&self) -> Vec<Backend> {
         distinct(self.rows.iter().map(|r| r.backend))
     }
 
@@ -116,8 +120,14 @@ impl Report {
     }
 }
 
+/// Writes a back end by its name in comparisons.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+pub(super) fn mode_name<S: serde::Serializer>(backend: &Backend, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(backend.mode_name())
+}
+
 /// Each item once, in the order of first sight.
-fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
+pub(super) fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     let mut seen = Vec::new();
     for item in items {
         if !seen.contains(&item) {
@@ -130,9 +140,7 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
 /// A report made by hand, for tests of how it is shown.
 #[cfg(test)]
 pub(super) fn example() -> Report {
-    use super::machine::{Embree, Machine};
-
-    let embree = Embree {
+    let embree = crate::accel::embree::Installed {
         version: "4.4.0".into(),
         isa: "AVX-512",
         tasking: "TBB",
@@ -164,19 +172,19 @@ pub(super) fn example() -> Report {
     Report {
         machine: Machine { cpu: "A CPU".into(), processors: 2, simd: "AVX2 + FMA", vitrum: "0", embree: Some(embree) },
         rows: vec![
-            row("primary", "native", "auto", 20.0),
-            row("primary", "native", "single", 8.0),
-            row("primary", "embree-robust", "auto", 15.0),
-            row("primary", "embree-robust", "16c", 16.0),
-            row("primary", "embree-fast", "16c", 25.0),
-            row("diffuse", "native", "auto", 4.0),
-            row("diffuse", "embree-robust", "16c", 5.0),
+            row("primary", Backend::Native, "auto", 20.0),
+            row("primary", Backend::Native, "single", 8.0),
+            row("primary", Backend::Embree, "auto", 15.0),
+            row("primary", Backend::Embree, "16c", 16.0),
+            row("primary", Backend::EmbreeFast, "16c", 25.0),
+            row("diffuse", Backend::Native, "auto", 4.0),
+            row("diffuse", Backend::Embree, "16c", 5.0),
         ],
-        builds: vec![build("native", "default", 50.0), build("embree-robust", "medium", 40.0)],
+        builds: vec![build(Backend::Native, "default", 50.0), build(Backend::Embree, "medium", 40.0)],
         ratios: vec![
-            ratio("primary", "embree-robust", 1.25),
-            ratio("primary", "embree-fast", 0.8),
-            ratio("diffuse", "embree-robust", 0.8),
+            ratio("primary", Backend::Embree, 1.25),
+            ratio("primary", Backend::EmbreeFast, 0.8),
+            ratio("diffuse", Backend::Embree, 0.8),
         ],
     }
 }

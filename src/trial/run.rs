@@ -8,8 +8,7 @@ use super::report::{Build, Ratio, Report, Row};
 use super::team::Team;
 use super::timing::{self, Figure, Watch};
 use crate::Result;
-use crate::accel::native::Native;
-use crate::accel::{BuildQuality, BuildStats, Intersector};
+use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 
 /// What rays are shot at.
@@ -42,7 +41,7 @@ impl Subject {
 
 /// What is to be measured.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct BenchPlan {
     /// Pixels that the rays start from.
     pub picture: Picture,
     /// Kinds of rays.
@@ -57,7 +56,7 @@ pub struct Plan {
     pub bvh: BuildQuality,
 }
 
-impl Plan {
+impl BenchPlan {
     /// Runs in all, for each subject, as [`Watch::done`] counts them.
     #[must_use]
     pub fn steps(&self, embree: bool) -> u64 {
@@ -80,7 +79,7 @@ pub enum Outcome {
 ///
 /// # Errors
 /// `Interrupted`; a limit, where threads or memory run out.
-pub fn run(subjects: &[Subject], plan: &Plan, machine: Machine, watch: &Watch) -> Result<Outcome> {
+pub fn run(subjects: &[Subject], plan: &BenchPlan, machine: Machine, watch: &Watch) -> Result<Outcome> {
     let embree = machine.embree.is_some();
     let mut report = Report { machine, rows: Vec::new(), builds: Vec::new(), ratios: Vec::new() };
     let mut noted = Vec::new();
@@ -95,59 +94,39 @@ pub fn run(subjects: &[Subject], plan: &Plan, machine: Machine, watch: &Watch) -
     Ok(Outcome::Measured(Box::new(report), noted))
 }
 
-/// The hierarchies over some shapes.
-pub struct Built {
-    /// Our own.
-    pub native: Native,
-    bvh: BuildQuality,
-    #[cfg(feature = "embree")]
-    embree: Vec<(&'static str, crate::accel::embree::Embree)>,
-}
+/// The hierarchies of all back ends over the same shapes.
+pub struct Built(Vec<Accel>);
 
 impl Built {
-    /// Builds with the threads of `team`, Embree's only where asked for and built in, and of `MEDIUM` quality.
+    /// Builds with the threads of `team`: native by `bvh`, and Embree in both modes by `MEDIUM` where `embree` is true.
     ///
     /// # Errors
-    /// A limit, where Embree is not found or memory runs out.
+    /// As [`Accel::build`].
     pub fn new(geometry: &[Geometry], team: &Team, embree: bool, bvh: BuildQuality) -> Result<Self> {
-        let native = team.install(|| Native::build_as(geometry, bvh));
-        #[cfg(not(feature = "embree"))]
-        let _ = embree;
-        Ok(Self {
-            native,
-            bvh,
-            #[cfg(feature = "embree")]
-            embree: super::embree::MODES
-                .into_iter()
-                .filter(|_| embree)
-                .map(|(name, mode)| {
-                    let built = team.install(|| super::embree::build(geometry, mode, team.threads()))?;
-                    Ok((name, built))
-                })
-                .collect::<Result<_>>()?,
-        })
+        let build = |backend: Backend| {
+            let quality = if backend == Backend::Native { bvh } else { BuildQuality::Default };
+            let options = BuildOptions { quality, threads: team.threads() };
+            team.install(|| Accel::build(backend, geometry, options))
+        };
+        let backends = if embree { &Backend::ALL } else { &Backend::ALL[..1] };
+        Ok(Self(backends.iter().map(|&backend| build(backend)).collect::<Result<_>>()?))
     }
 
-    /// Everyone who takes part, [`Native`] as renders use it first.
+    /// The native accelerator.
+    #[must_use]
+    pub fn native(&self) -> &Accel {
+        &self.0[0]
+    }
+
+    /// All contenders, native as in renders first.
     #[must_use]
     pub fn contenders(&self) -> Vec<Box<dyn Contender + '_>> {
-        let native = contender::native(&self.native).into_iter();
-        #[cfg(feature = "embree")]
-        let native = native.chain(self.embree.iter().flat_map(|(name, scene)| super::embree::contenders(name, scene)));
-        native.collect()
-    }
-
-    /// Back end, quality and what was built.
-    fn stats(&self) -> Vec<(&'static str, &'static str, BuildStats)> {
-        let native = std::iter::once(("native", self.bvh.name(), self.native.build_stats()));
-        #[cfg(feature = "embree")]
-        let native = native.chain(self.embree.iter().map(|(name, scene)| (*name, "medium", scene.build_stats())));
-        native.collect()
+        self.0.iter().flat_map(contender::contenders).collect()
     }
 }
 
 /// Builds everything as often as planned, by turns; keeps the last.
-fn build(subject: &Subject, plan: &Plan, embree: bool, watch: &Watch, report: &mut Report) -> Result<Built> {
+fn build(subject: &Subject, plan: &BenchPlan, embree: bool, watch: &Watch, report: &mut Report) -> Result<Built> {
     let mut last: Option<Built> = None;
     for &threads in &plan.threads {
         let team = Team::new(threads)?;
@@ -156,22 +135,24 @@ fn build(subject: &Subject, plan: &Plan, embree: bool, watch: &Watch, report: &m
             // Two at a time would ask for twice the memory.
             drop(last.take());
             let built = Built::new(&subject.geometry, &team, embree, plan.bvh)?;
-            let stats = built.stats();
-            ms.resize_with(stats.len(), Vec::new);
-            for (ms, (.., stats)) in ms.iter_mut().zip(stats) {
-                ms.push(stats.time.as_secs_f64() * 1e3);
+            ms.resize_with(built.0.len(), Vec::new);
+            for (ms, accel) in ms.iter_mut().zip(&built.0) {
+                ms.push(accel.build_stats().time.as_secs_f64() * 1e3);
                 watch.step()?;
             }
             last = Some(built);
         }
-        let stats = last.iter().flat_map(Built::stats);
-        report.builds.extend(stats.zip(ms).map(|((backend, quality, stats), ms)| Build {
-            mesh: subject.name.clone(),
-            backend,
-            quality,
-            threads,
-            ms: Figure::of(ms).median,
-            bytes_per_triangle: stats.bytes as f64 / (stats.triangles + stats.spheres).max(1) as f64,
+        let accels = last.iter().flat_map(|built| &built.0);
+        report.builds.extend(accels.zip(ms).map(|(accel, ms)| {
+            let stats = accel.build_stats();
+            Build {
+                mesh: subject.name.clone(),
+                backend: accel.backend(),
+                quality: accel.embree().map_or(plan.bvh.name(), |_| "medium"),
+                threads,
+                ms: Figure::of(ms).median,
+                bytes_per_triangle: stats.bytes as f64 / (stats.triangles + stats.spheres).max(1) as f64,
+            }
         }));
     }
     match last {
@@ -181,11 +162,17 @@ fn build(subject: &Subject, plan: &Plan, embree: bool, watch: &Watch, report: &m
 }
 
 /// Times one subject, where all contenders find the same.
-fn measure(subject: &Subject, built: &Built, plan: &Plan, watch: &Watch, report: &mut Report) -> Result<Vec<Finding>> {
+fn measure(
+    subject: &Subject,
+    built: &Built,
+    plan: &BenchPlan,
+    watch: &Watch,
+    report: &mut Report,
+) -> Result<Vec<Finding>> {
     let view = subject.view.unwrap_or_else(|| View::of(&rays::bounds(&subject.geometry)));
-    let sets = rays::all(&built.native, &subject.geometry, &view, &plan.picture);
+    let sets = rays::all(built.native(), &subject.geometry, &view, &plan.picture);
     let judge = Judge::new(&subject.geometry);
-    let triangles = built.native.build_stats().triangles;
+    let triangles = built.native().build_stats().triangles;
     let mut contenders = built.contenders();
     let mut noted = Vec::new();
     for set in sets.iter().filter(|s| plan.kinds.contains(&s.kind) && s.count > 0) {
@@ -212,7 +199,7 @@ fn measure(subject: &Subject, built: &Built, plan: &Plan, watch: &Watch, report:
                     spread: figure.spread,
                 });
             }
-            for against in ["embree-robust", "embree-fast"] {
+            for against in [Backend::Embree, Backend::EmbreeFast] {
                 let modes = (0..labels.len()).filter(|&i| labels[i].backend == against);
                 let Some(best) = modes.max_by(|&a, &b| figures[a].median.total_cmp(&figures[b].median)) else {
                     continue;

@@ -1,7 +1,8 @@
 //! The report as tables of at most 100 columns.
 
 use super::machine::Machine;
-use super::report::{Build, Report};
+use super::report::{Build, Report, distinct};
+use crate::accel::Backend;
 
 /// All of it, line by line.
 #[must_use]
@@ -42,21 +43,17 @@ fn builds(report: &Report, mesh: &str) -> String {
     let of = |b: &Build| {
         let numbers = [b.threads.to_string(), format!("{:.1}", b.ms), format!("{:.1}", b.bytes_per_triangle)];
         let [threads, ms, bytes] = numbers;
-        [b.backend.to_owned(), b.quality.to_owned(), threads, ms, bytes]
+        [b.backend.mode_name().to_owned(), b.quality.to_owned(), threads, ms, bytes]
     };
     rows.extend(report.builds.iter().filter(|b| b.mesh == mesh).map(of));
     aligned(&rows.iter().map(|r| r.to_vec()).collect::<Vec<_>>())
 }
 
 /// Kinds of rays down, modes of one back end across.
-fn rates(report: &Report, mesh: &str, threads: usize, backend: &str) -> String {
-    let mut modes: Vec<&str> = Vec::new();
-    for row in report.rows.iter().filter(|r| r.backend == backend) {
-        if !modes.contains(&row.mode) {
-            modes.push(row.mode);
-        }
-    }
-    let mut rows = vec![std::iter::once(backend).chain(modes.iter().copied()).map(String::from).collect::<Vec<_>>()];
+fn rates(report: &Report, mesh: &str, threads: usize, backend: Backend) -> String {
+    let modes = distinct(report.rows.iter().filter(|r| r.backend == backend).map(|r| r.mode));
+    let mut rows =
+        vec![std::iter::once(backend.mode_name()).chain(modes.iter().copied()).map(String::from).collect::<Vec<_>>()];
     for kind in report.kinds() {
         let cell = |mode: &&str| {
             let row = report.rows_of(mesh, kind, threads).find(|r| r.backend == backend && r.mode == *mode);
@@ -73,7 +70,7 @@ fn ratios(report: &Report, mesh: &str, threads: usize) -> String {
     let mut rows = vec![head.map(String::from).to_vec()];
     for kind in report.kinds() {
         let mut row = vec![kind.to_owned()];
-        for against in ["embree-robust", "embree-fast"] {
+        for against in [Backend::Embree, Backend::EmbreeFast] {
             match report.ratios_of(mesh, kind, threads).find(|r| r.against == against) {
                 Some(r) => row.extend([
                     format!("{:.2}", r.ratio),

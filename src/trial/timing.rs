@@ -88,7 +88,7 @@ pub fn rounds(
 }
 
 /// The order in which contenders take turns, by their back ends: the first of each, the second of each, and so on.
-fn turns(backends: &[&str]) -> Vec<usize> {
+fn turns<B: PartialEq>(backends: &[B]) -> Vec<usize> {
     let earlier = |i: usize| backends[..i].iter().filter(|&b| *b == backends[i]).count();
     let mut order: Vec<usize> = (0..backends.len()).collect();
     order.sort_by_key(|&i| earlier(i));

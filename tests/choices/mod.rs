@@ -16,13 +16,8 @@ use vitrum::scene::Scene;
 /// Every renderer's outcome, with its name.
 fn outcomes(scene: &Scene, options: &Options) -> Vec<(&'static str, Outcome)> {
     let by_reference = reference::render(scene, options, &Observer::default()).expect("nobody interrupts a test");
-    #[cfg_attr(not(feature = "embree"), expect(unused_mut, reason = "Embree's outcome is added where it is built in"))]
     let mut all = vec![("reference", by_reference), ("native", support::scenes::native(scene, options))];
-    #[cfg(feature = "embree")]
-    {
-        use vitrum::accel::{Unbounded, embree};
-        let built = embree::Embree::build(&scene.geometry, &embree::Options::default()).expect("Embree is there");
-        let accel = Unbounded::new(built, &scene.geometry);
+    if let Some(accel) = support::backends::embree(vitrum::accel::Backend::Embree, &scene.geometry) {
         let outcome = vitrum::render::render(scene, &accel, options, &Observer::default()).expect("as above");
         all.push(("embree", outcome));
     }

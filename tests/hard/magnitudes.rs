@@ -2,6 +2,7 @@
 //! the camera's distance must not change.
 
 use glam::{DVec3, Vec3};
+use vitrum::accel::Backend;
 use vitrum::geometry::{Plane, Shape, Sphere};
 use vitrum::image::Film;
 use vitrum::render::{Options, reference};
@@ -9,24 +10,17 @@ use vitrum::scene::{
     Camera, Colour, Environment, Falloff, Interface, Light, LightKind, Material, MirrorSource, Projection, Rgb, Scene,
 };
 
-use crate::support::{Rng, scenes};
+use crate::support::{Rng, backends, scenes};
 
 /// The pictures of a scene by the native path, by the `f64` renderer, and by Embree where it is built in and found.
 fn pictures(scene: &Scene) -> Vec<(&'static str, Film)> {
     let options = Options::default();
     let native = scenes::native(scene, &options).film;
     let arbiter = reference::render(scene, &options, &Default::default()).expect("nobody interrupts a test").film;
-    #[allow(unused_mut, reason = "a third one comes with the feature")]
     let mut pictures = vec![("native", native), ("f64", arbiter)];
-    #[cfg(feature = "embree")]
-    match vitrum::accel::embree::Embree::build(&scene.geometry, &Default::default()) {
-        Ok(embree) => {
-            let embree = vitrum::accel::Unbounded::new(embree, &scene.geometry);
-            let outcome = vitrum::render::render(scene, &embree, &options, &Default::default());
-            pictures.push(("embree", outcome.expect("nobody interrupts a test").film));
-        }
-        Err(e) if std::env::var_os("VITRUM_REQUIRE_EMBREE").is_some() => panic!("{e}"),
-        Err(_) => {}
+    if let Some(embree) = backends::embree(Backend::Embree, &scene.geometry) {
+        let outcome = vitrum::render::render(scene, &embree, &options, &Default::default());
+        pictures.push(("embree", outcome.expect("nobody interrupts a test").film));
     }
     pictures
 }

@@ -3,12 +3,13 @@
 use std::hint::black_box;
 
 use glam::Vec3;
+use vitrum::accel::Backend;
 use vitrum::accel::reference::{Ray64, Reference};
 use vitrum::geometry::{GeometryMask, Ray};
 
 use crate::support::aim::count;
 use crate::support::kernels::{Held, KERNELS, sound};
-use crate::support::{Rng, contract, shapes};
+use crate::support::{Rng, backends, contract, shapes};
 
 /// PA-02: on triangles of sound proportions t is within 16 ulp of the largest length that takes part (the bound of
 /// Embree's `TriangleHitTest`), and so are the weights, edges not left out.
@@ -56,8 +57,7 @@ fn no_thread_flushes_denormals_to_zero() {
     let geometry = [shapes::masked(shapes::soup(9000, 0.1, &mut rng), GeometryMask::OPAQUE)];
     let native = sound(&geometry);
     contract::closest(&native, &[Ray::new(Vec3::ZERO, Vec3::X)]);
-    #[cfg(feature = "embree")]
-    if let Ok(embree) = vitrum::accel::embree::Embree::build(&geometry, &Default::default()) {
+    if let Some(embree) = backends::embree(Backend::Embree, &geometry) {
         contract::closest(&embree, &[Ray::new(Vec3::ZERO, Vec3::X)]);
     }
     assert!(alive());
@@ -66,12 +66,9 @@ fn no_thread_flushes_denormals_to_zero() {
 
 /// PA-09: the same picture by either back end, as eight-bit codes, in at least 99.9 % of its pixels; said and passed over
 /// where no library is found.
-#[cfg(feature = "embree")]
 #[test]
 fn pictures_by_both_back_ends_agree_in_999_of_1000_pixels() {
     use crate::support::scenes;
-    use std::io::Write;
-    use vitrum::accel::{Unbounded, embree::Embree};
     use vitrum::render::{Observer, Options, render};
     use vitrum::scene::{Falloff, Light, LightKind, Material, Rgb};
 
@@ -94,11 +91,7 @@ fn pictures_by_both_back_ends_agree_in_999_of_1000_pixels() {
         falloff: Falloff::InverseSquare,
         shadows: true,
     });
-    let embree = match Embree::build(&scene.geometry, &Default::default()) {
-        Ok(embree) => Unbounded::new(embree, &scene.geometry),
-        Err(e) if std::env::var_os("VITRUM_REQUIRE_EMBREE").is_some() => panic!("{e}"),
-        Err(e) => return drop(writeln!(std::io::stderr(), "SKIPPED pictures by both back ends: {e}")),
-    };
+    let Some(embree) = backends::embree(Backend::Embree, &scene.geometry) else { return };
     let ours = scenes::native(&scene, &Options::default()).film;
     let theirs = render(&scene, &embree, &Options::default(), &Observer::default()).unwrap().film;
     let apart = |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1.0 / 255.0);

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use super::{names, scenes, under};
+use vitrum::accel::Backend;
 
 /// Commands, with the scene's name to be put in. `OUT` is a picture, `DIR` a folder for a report.
 const COMMANDS: [&str; 9] = [
@@ -33,12 +34,13 @@ const SCATTER: u64 = 12 << 20;
 
 /// The name of the back end on Embree, where this build has it and the library is there.
 fn embree() -> &'static str {
-    #[cfg(feature = "embree")]
-    match vitrum::accel::embree::device::Library::open(None) {
-        Ok(_) => return "embree",
-        Err(e) => eprintln!("SKIPPED: {e}"),
+    match Backend::Embree.availability() {
+        Ok(()) => "embree",
+        Err(why) => {
+            eprintln!("SKIPPED: {why}");
+            "native"
+        }
     }
-    "native"
 }
 
 /// Returns true for a result, false for a limit that is told in one line. Anything else fails.

@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
+use vitrum::accel::Backend;
+use vitrum::error::Unavailable;
 use vitrum::image::{Bits, Encoding, Film, Format, encode};
 
 const PICTURES: [(&str, Format); 4] =
@@ -322,12 +324,11 @@ fn usage_is_told_in_one_line_and_fractions_are_numbers_everywhere() {
     assert!(under(folder.path(), ":", "render ball.toml -q -o out.png --cutoff 1/512").status.success());
 }
 
-#[cfg(feature = "embree")]
 #[test]
 fn a_scene_that_embree_would_lose_is_rendered_by_native_with_a_warning_or_refused() {
-    if let Err(e) = vitrum::accel::embree::device::Library::open(None) {
-        assert!(std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none(), "{e}");
-        eprintln!("SKIPPED: {e}");
+    if let Err(why) = Backend::Embree.availability() {
+        assert!(why == Unavailable::NotCompiledIn || std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none(), "{why}");
+        eprintln!("SKIPPED: {why}");
         return;
     }
     let folder = tempfile::tempdir().unwrap();

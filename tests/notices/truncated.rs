@@ -1,7 +1,7 @@
 //! Light that ends at a limit: panes of glass in a row, whose transmittance is known by hand, and the project's own scenes.
 
 use super::support::{Folder, ids, notices_of};
-use vitrum::accel::{Unbounded, native::Native};
+use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::load::{self, LoadOptions};
 use vitrum::render::{self, Limit, Observer, Options, Outcome, Pixels, Reflection, Shortfall};
 use vitrum::scene::{Scene, Settings};
@@ -38,7 +38,7 @@ fn options() -> Options {
 }
 
 fn picture(scene: &Scene, options: &Options, exposure: f32) -> Outcome {
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
+    let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default()).expect("there is memory");
     let observer = Observer::default();
     let mut outcome = render::render(scene, &accel, options, &observer).expect("nobody interrupts a test");
     let pixels = Pixels::new(&accel, options, &observer);

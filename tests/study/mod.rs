@@ -5,10 +5,11 @@ mod ledger;
 mod theory;
 
 use glam::Vec3;
+use vitrum::accel::Backend;
 use vitrum::geometry::{Geometry, GeometryMask, Plane, Shape, TriMesh};
 use vitrum::render::{Observer, Outcome};
 use vitrum::scene::{Camera, Environment, Material, Medium, Object, Origin, Projection, Rgb, Scene, Settings};
-use vitrum::study::{Backend, Engine, Variant};
+use vitrum::study::{Engine, Variant};
 
 /// A scene of a few shapes seen by parallel rays, without lights.
 pub struct Small {

@@ -1,6 +1,7 @@
 //! One test an axis.
 
 use glam::{Vec2, Vec3};
+use vitrum::accel::Backend;
 use vitrum::geometry::{GeometryMask, Shape, Sphere, TriMesh};
 use vitrum::optics::{FresnelModel, Oliveira, RefractionModel};
 use vitrum::render::Reflection;
@@ -258,17 +259,15 @@ fn reflection_is_traced_looked_up_or_left_out_by_either_renderer() {
     }
 }
 
-#[cfg(feature = "embree")]
 #[test]
 fn every_back_end_is_asked_and_finds_the_same_picture() {
-    use vitrum::study::{Backend, engine};
-    if let Err(why) = engine::available(Backend::EmbreeRobust) {
+    if let Err(why) = Backend::Embree.availability() {
         eprintln!("EMBREE IS LEFT OUT: {why}");
         return;
     }
     let small = sea(1.0, 1.5, 0.7, FresnelRule::Fresnel);
     let native = small.value(small.default());
-    for backend in [Backend::EmbreeRobust, Backend::EmbreeFast] {
+    for backend in [Backend::Embree, Backend::EmbreeFast] {
         let seen = small.value(small.default().with(Level::Backend(backend)));
         assert!((seen - native).abs() < 1e-6, "{backend:?}");
     }

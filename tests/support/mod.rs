@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test uses its own part")]
 
 pub mod aim;
+pub mod backends;
 pub mod contract;
 pub mod cracks;
 pub mod exact;

@@ -1,14 +1,14 @@
 //! Small scenes made in memory, for tests whose answers are known by hand.
 
 use glam::Vec3;
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
 use vitrum::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere, TriMesh};
 use vitrum::render::{Observer, Options, Outcome, render};
 use vitrum::scene::{
     Camera, Dispersion, Environment, FresnelRule, Interface, Material, Medium, Object, Origin, Projection, Rgb, Scene,
     Settings,
 };
+
+use super::backends;
 
 /// An empty scene in a constant environment, seen from +z: 32 by 32 pixels, deep enough for anything, no cut-off.
 pub fn empty(environment: f32) -> Scene {
@@ -84,6 +84,5 @@ pub fn cuboid_mesh(lo: Vec3, hi: Vec3) -> TriMesh {
 
 /// Renders on the native path.
 pub fn native(scene: &Scene, options: &Options) -> Outcome {
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
-    render(scene, &accel, options, &Observer::default()).expect("nobody interrupts a test")
+    render(scene, &backends::native(&scene.geometry), options, &Observer::default()).expect("nobody interrupts a test")
 }

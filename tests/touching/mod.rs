@@ -5,8 +5,8 @@ mod cases;
 mod rules;
 mod stacks;
 
-use vitrum::accel::Unbounded;
-use vitrum::accel::native::Native;
+use crate::support::backends;
+use vitrum::accel::Backend;
 use vitrum::image::Film;
 use vitrum::load;
 use vitrum::render::{Observer, Options, Outcome, reference, render};
@@ -23,25 +23,13 @@ fn scene(text: &str) -> Scene {
 /// The results of each renderer for a scene, by name; the first is native.
 fn pictures(scene: &Scene) -> Vec<(&'static str, Outcome)> {
     let (options, observer) = (Options::default(), Observer::default());
-    let accel = Unbounded::new(Native::build(&scene.geometry), &scene.geometry);
-    let native = render(scene, &accel, &options, &observer).expect("renders");
+    let native = render(scene, &backends::native(&scene.geometry), &options, &observer).expect("renders");
     let double = reference::render(scene, &options, &observer).expect("renders");
     let mut pictures = vec![("native", native), ("f64", double)];
-    pictures.extend(over_embree(scene, &options, &observer));
+    if let Some(embree) = backends::embree(Backend::Embree, &scene.geometry) {
+        pictures.push(("embree", render(scene, &embree, &options, &observer).expect("renders")));
+    }
     pictures
-}
-
-#[cfg(feature = "embree")]
-fn over_embree(scene: &Scene, options: &Options, observer: &Observer) -> Vec<(&'static str, Outcome)> {
-    use vitrum::accel::embree::{Embree, Options as Choices};
-    let Ok(built) = Embree::build(&scene.geometry, &Choices::default()) else { return Vec::new() };
-    let accel = Unbounded::new(built, &scene.geometry);
-    vec![("embree", render(scene, &accel, options, observer).expect("renders"))]
-}
-
-#[cfg(not(feature = "embree"))]
-fn over_embree(_: &Scene, _: &Options, _: &Observer) -> Vec<(&'static str, Outcome)> {
-    Vec::new()
 }
 
 /// Pixels of which a channel differs by more than `tolerance`.

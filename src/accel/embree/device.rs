@@ -14,11 +14,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::Vec3;
 
 use super::find::{self, CURE, Found};
+use super::installed::Installed;
 use super::options::{Frequency, Isa, Quality};
 use super::scene::SceneBuilder;
 use super::sys::{self, Api, QueryArguments, Valid};
-use crate::error::{Error, Result};
-use crate::system::memory;
+use crate::error::{Error, Result, Unavailable};
+use crate::system::{memory, threads};
 
 /// Address space that each device maps when it is made (a heap of its own) and writes little of.
 const DEVICE_BYTES: u64 = 128 << 20;
@@ -59,12 +60,13 @@ impl Library {
     /// Loads the library, from the folder `wished` or where [`find::find`] finds it, once for each file.
     ///
     /// # Errors
-    /// [`Error::Limit`] where it is missing, cannot be loaded, lacks functions, is not version 4, or writes past the
+    /// [`Unavailable`] where it is missing, cannot be loaded, lacks functions, is not version 4, or writes past the
     /// end of the structs it is given.
     pub fn open(wished: Option<&Path>) -> Result<&'static Self> {
-        let found = find::find(wished).map_err(|folder| {
-            let (file, folder) = (find::FILE_NAME, folder.display());
-            Error::Limit(format!("Embree: no {file} in {folder} (EMBREE_DIR): correct or unset that, or {CURE}"))
+        let found = find::find(wished).map_err(|folder| Unavailable::NotFound {
+            library: find::FILE_NAME,
+            place: format!("in {} (EMBREE_DIR)", folder.display()),
+            cure: format!("correct or unset that, or {CURE}"),
         })?;
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = loaded.iter().find(|l| l.file == found.file) {
@@ -73,10 +75,8 @@ impl Library {
         let fresh: &'static Self = Box::leak(Box::new(Self::load(&found)?));
         let past = Device::open(fresh, 1, Frequency::Widest, Isa::Best)?.bytes_written_past(sys::RAY_HIT_ENDS)?;
         if past != [0; 3] {
-            return Err(Error::Limit(format!(
-                "Embree: {} was built for nested instances and would write past its hits; use another build",
-                found.file.display()
-            )));
+            let why = "was built for nested instances and would write past its hits; use another build";
+            return Err(Unavailable::Unfit(format!("{} {why}", found.file.display())).into());
         }
         loaded.push(fresh);
         Ok(fresh)
@@ -91,23 +91,26 @@ impl Library {
         // SAFETY: loading runs the library's initialisers; Embree's and TBB's have no preconditions. What else may
         // bear this name is the word of whoever set EMBREE_DIR or administers the system.
         let handle = unsafe { libloading::Library::new(&found.file) }.map_err(|e| {
-            let missing = found.because == "system";
-            let why = if missing { format!("no {file} on this system") } else { format!("cannot load {file}: {e}") };
-            Error::Limit(format!("Embree: {why}; {CURE}").replace('\n', " "))
+            if found.file == Path::new(find::FILE_NAME) {
+                let (place, cure) = (String::from("on this system"), CURE.into());
+                return Unavailable::NotFound { library: find::FILE_NAME, place, cure };
+            }
+            Unavailable::Unfit(format!("cannot load {file}: {e}; {CURE}").replace('\n', " "))
         })?;
         // Worker threads may still run the library's code when the program ends, so it is never unloaded.
         let handle: &'static libloading::Library = Box::leak(Box::new(handle));
         // SAFETY: the handle is never dropped; a library that is not Embree 4 lacks one of the names or, being an
         // older Embree, is refused below before any function is called that changed since.
         let api = unsafe { Api::load(handle) }
-            .map_err(|name| Error::Limit(format!("Embree: {file} has no {name}, so it is not Embree 4; {CURE}")))?;
-        let config = c"verbose=0";
+            .map_err(|name| Unavailable::Unfit(format!("{file} has no {name}, so it is not Embree 4; {CURE}")))?;
+        let config = c"verbose=0,threads=1";
+        threads::probe(1)?;
         // SAFETY: a terminated string; the function is the same in all versions.
         let device = unsafe { (api.new_device)(config.as_ptr()) };
         if device.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (api.device_error)(std::ptr::null_mut()) };
-            return Err(reported(code, &format!("{file} makes no device: {}", error_name(code))));
+            return Err(reported(code, format!("{file} makes no device: {}", error_name(code))));
         }
         // SAFETY: a device that was just made; unknown properties are answered by 0.
         let property = |which| unsafe { (api.device_property)(device, which) };
@@ -123,14 +126,33 @@ impl Library {
         };
         // SAFETY: released once, not used again.
         unsafe { (api.release_device)(device) };
-        let [major, minor, patch] = version;
-        if major != 4 {
-            return Err(Error::Limit(format!("Embree: {file} is version {major}.{minor}.{patch}, not 4; {CURE}")));
+        if version[0] != 4 {
+            return Err(
+                Unavailable::Version { library: file.to_string(), found: version, needed: 4, cure: CURE }.into()
+            );
         }
         if culling {
-            return Err(Error::Limit(format!("Embree: {file} was built to cull back faces; {CURE}")));
+            return Err(Unavailable::Unfit(format!("{file} was built to cull back faces; {CURE}")).into());
         }
         Ok(Self { api, file: found.file.clone(), because: found.because, version, tasking, native16, masks })
+    }
+
+    /// Its description for reports.
+    #[must_use]
+    pub fn installed(&self) -> Installed {
+        let [major, minor, patch] = self.version;
+        let isa = match self.native16 {
+            true => "AVX-512",
+            false if has_avx2() => "AVX2",
+            false => "narrower than AVX2",
+        };
+        Installed {
+            version: format!("{major}.{minor}.{patch}"),
+            isa,
+            tasking: self.tasking,
+            file: self.file.display().to_string(),
+            found_by: self.because,
+        }
     }
 }
 
@@ -159,10 +181,10 @@ impl Device {
     /// A device with `threads` build threads (0: one a processor).
     ///
     /// # Errors
-    /// [`Error::Limit`] where Embree makes none, because the CPU lacks the instructions asked for above all.
     pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
         let workers = if threads == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { threads };
         memory::need_mapped("an Embree device", DEVICE_BYTES + workers as u64 * THREAD_BYTES, WITHOUT)?;
+        threads::probe(workers)?;
         let mut config = format!("verbose=0,threads={threads}");
         let narrow = matches!(isa, Isa::Sse42 | Isa::Avx);
         if frequency == Frequency::Widest && !narrow && has_avx2() {
@@ -179,7 +201,8 @@ impl Device {
         if raw.is_null() {
             // SAFETY: null asks for the error of this thread.
             let code = unsafe { (library.api.device_error)(std::ptr::null_mut()) };
-            return Err(reported(code, &format!("no device for {}: {}", config.to_string_lossy(), error_name(code))));
+            let config = config.to_string_lossy();
+            return Err(reported(code, format!("no device for {config}: {}", error_name(code))));
         }
         // SAFETY: the log outlives the device, and both callbacks take it for what it is.
         unsafe {
@@ -221,7 +244,7 @@ impl Device {
     /// Fails with what Embree has reported since the last call.
     pub(super) fn check(&self) -> Result<()> {
         match self.log.error.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some((code, message)) => Err(reported(code, &message)),
+            Some((code, message)) => Err(reported(code, message)),
             None => Ok(()),
         }
     }
@@ -278,7 +301,8 @@ impl Device {
             let written = std::hint::black_box(&buffer.0);
             let hit = (0..n).all(|lane| written[4 * (18 * n + lane)..][..4] == [0; 4]);
             if !hit {
-                return Err(Error::Limit(format!("Embree: {} misses a test triangle", self.library.file.display())));
+                let file = self.library.file.display();
+                return Err(Unavailable::Unfit(format!("{file} misses a test triangle; {CURE}")).into());
             }
             past[k] = written[ends[k]..].iter().filter(|&&b| b != UNTOUCHED).count();
         }
@@ -318,11 +342,11 @@ unsafe extern "C" fn note_error(user: *mut c_void, code: c_int, message: *const 
 }
 
 /// The error for what Embree reports.
-fn reported(code: c_int, message: &str) -> Error {
+fn reported(code: c_int, message: String) -> Error {
     if code == OUT_OF_MEMORY {
         memory::ran_out("Embree's hierarchy", WITHOUT)
     } else {
-        Error::Limit(format!("Embree: {message}"))
+        Unavailable::Failed(message).into()
     }
 }
 

@@ -7,10 +7,11 @@
 //! mode it is judged before `t` is rounded.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::{BuildStats, Coherence, Counts, Intersector};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Unavailable};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8};
 use crate::simd::{Mask8, set_lanes};
 use crate::system::memory;
@@ -18,6 +19,7 @@ use crate::system::memory;
 pub mod device;
 mod fill;
 pub mod find;
+mod installed;
 mod options;
 mod packed;
 mod packet;
@@ -28,25 +30,29 @@ mod sphere;
 #[doc(hidden)]
 pub mod sys;
 
+pub use installed::Installed;
 pub use options::{Frequency, Isa, Mode, Options, Quality, Spheres, Width};
 pub use packed::Packed;
 
 use device::{Device, Library};
 use fill::Filling;
 use packet::Interval;
-use reach::Lost;
 use scene::{Scene, SceneBuilder};
 use sys::QueryArguments;
+
+/// True in builds with the feature `embree`.
+pub const COMPILED_IN: bool = true;
 
 /// Bytes that Embree takes for each primitive while it builds: positions, indices, references and nodes.
 const BYTES_EACH: usize = 320;
 
-/// Shapes in Embree's hierarchy.
+/// Shapes in Embree's hierarchy. Clones share it.
+#[derive(Clone)]
 pub struct Embree {
     /// One scene with everything; or, where the library ignores masks, one for each mask that occurs.
-    parts: Vec<(GeometryMask, Scene)>,
-    /// What ids in hits stand for, where it is not what they say.
-    renamed: Vec<Renamed>,
+    parts: Arc<[(GeometryMask, Scene)]>,
+    /// The ids in hits that stand for other names outside.
+    renamed: Arc<[Renamed]>,
     mode: Mode,
     width: Width,
     native16: bool,
@@ -80,8 +86,8 @@ impl Embree {
     /// [`Unbounded`](super::Unbounded).
     ///
     /// # Errors
-    /// [`Error::Limit`] where the library is missing or unfit, memory runs out, or a shape reaches beyond
-    /// [`reach::MOST`] or all meshes within [`reach::LEAST`].
+    /// [`Unavailable`] where the library is missing or unfit, or a shape reaches beyond [`reach::MOST`] or all meshes
+    /// within [`reach::LEAST`]; a limit where memory runs out.
     pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
         let library = Library::open(options.library.as_deref())?;
         Self::build_with(geometry, options, library, library.masks)
@@ -89,9 +95,8 @@ impl Embree {
 
     /// As [`Embree::build`]; without `masks` each mask gets a scene of its own.
     fn build_with(geometry: &[Geometry], options: &Options, library: &'static Library, masks: bool) -> Result<Self> {
-        if let (Some(Lost { shape, why }), false) = (reach::lost(geometry), options.even_lost) {
-            let shape = shape + 1;
-            return Err(Error::Limit(format!("Embree: shape {shape} {why}; take --backend native")));
+        if !options.even_lost {
+            reach::check(geometry)?;
         }
         let counts = Counts::of(geometry);
         let bytes = (counts.triangles + counts.spheres).saturating_mul(BYTES_EACH);
@@ -111,13 +116,13 @@ impl Embree {
                 filling.fill(scene, geometry, kind, group)?;
             }
         }
-        let parts = scenes.into_iter().map(|(kind, scene)| Ok((kind, scene.commit()?))).collect::<Result<_>>()?;
+        let parts = scenes.into_iter().map(|(kind, scene)| Ok((kind, scene.commit()?))).collect::<Result<Arc<_>>>()?;
         let Filling { mut stats, renamed, copied, .. } = filling;
         stats.bytes = device.bytes().saturating_sub(copied);
         stats.time = start.elapsed();
         Ok(Self {
             parts,
-            renamed,
+            renamed: renamed.into(),
             mode: options.mode,
             width: options.width,
             native16: device.native16(),
@@ -126,10 +131,28 @@ impl Embree {
         })
     }
 
-    /// The library it runs on.
+    /// The same hierarchy, asked by calls of this width.
     #[must_use]
-    pub fn library(&self) -> &'static Library {
-        self.library
+    pub fn with_width(&self, width: Width) -> Self {
+        Self { width, ..self.clone() }
+    }
+
+    /// The library that traces.
+    #[must_use]
+    pub fn library(&self) -> Installed {
+        self.library.installed()
+    }
+}
+
+/// Loads the library and describes it.
+///
+/// # Errors
+/// [`Unavailable`], where it is missing or unfit.
+pub fn installed() -> std::result::Result<Installed, Unavailable> {
+    match Library::open(None) {
+        Ok(library) => Ok(library.installed()),
+        Err(Error::Unavailable(why)) => Err(why),
+        Err(other) => Err(Unavailable::Failed(other.to_string())),
     }
 }
 

@@ -8,6 +8,7 @@
 
 use rayon::prelude::*;
 
+use crate::error::Unavailable;
 use crate::geometry::{Geometry, Shape, TriMesh};
 
 /// The largest coordinate that Embree is given, in scene units: two edges of 2e12 and a distance of eighty times that
@@ -18,18 +19,11 @@ pub const MOST: f32 = 1e12;
 /// normal `f32`, but for a factor of ten.
 pub const LEAST: f32 = 1e-12;
 
-/// A shape that Embree would lose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost {
-    /// Its place in the list.
-    pub shape: usize,
-    /// Why, in words that follow its name.
-    pub why: &'static str,
-}
-
-/// The first of the shapes that Embree would lose.
-#[must_use]
-pub fn lost(geometry: &[Geometry]) -> Option<Lost> {
+/// Checks that Embree finds all shapes.
+///
+/// # Errors
+/// [`Unavailable::OutOfReach`] with the first shape that Embree would lose.
+pub fn check(geometry: &[Geometry]) -> Result<(), Unavailable> {
     let mut meshes = None;
     for (shape, g) in geometry.iter().enumerate() {
         let size = match &g.shape {
@@ -38,15 +32,20 @@ pub fn lost(geometry: &[Geometry]) -> Option<Lost> {
             Shape::Sphere(_) | Shape::Plane(_) => 0.0,
         };
         if size > MOST {
-            return Some(Lost { shape, why: "reaches beyond 1e12, where Embree loses hits" });
+            return Err(Unavailable::OutOfReach { shape, why: "reaches beyond 1e12, where Embree loses hits" });
         }
         if matches!(g.shape, Shape::Mesh(_)) && size > 0.0 {
             let (first, largest) = meshes.unwrap_or((shape, 0.0_f32));
             meshes = Some((first, largest.max(size)));
         }
     }
-    let (shape, _) = meshes.filter(|&(_, largest)| largest < LEAST)?;
-    Some(Lost { shape, why: "lies within 1e-12 of the origin, where Embree loses hits" })
+    match meshes {
+        Some((shape, largest)) if largest < LEAST => {
+            let why = "lies within 1e-12 of the origin, where Embree loses hits";
+            Err(Unavailable::OutOfReach { shape, why })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The largest coordinate of a triangle that can be hit; 0 where there is none.
@@ -79,13 +78,18 @@ mod tests {
         let plane = of(Shape::Plane(Plane { point: Vec3::splat(1e15), normal: Vec3::Y }));
         let tiny = mesh(1e-13, vec![[0, 1, 2]]);
         let near = [mesh(1e12, vec![[0, 1, 2], [0, 1, 3]]), ball(4e11, 5e11), ball(1e30, 1.0), plane, tiny.clone()];
+        let lost = |shapes: &[Geometry]| match check(shapes) {
+            Ok(()) => None,
+            Err(Unavailable::OutOfReach { shape, .. }) => Some(shape),
+            Err(other) => panic!("{other}"),
+        };
         assert_eq!(lost(&near), None);
         for far in [mesh(1.1e12, vec![[0, 1, 2]]), ball(6e11, 5e11), ball(0.0, 1e14)] {
             let shapes: Vec<_> = near.iter().cloned().chain([far]).collect();
-            assert_eq!(lost(&shapes).map(|l| l.shape), Some(near.len()));
+            assert_eq!(lost(&shapes), Some(near.len()));
         }
         // Small ones are lost only where there are no others, by whose size rays are.
-        assert_eq!(lost(&[ball(0.0, 1.0), tiny]).map(|l| l.shape), Some(1));
+        assert_eq!(lost(&[ball(0.0, 1.0), tiny]), Some(1));
         assert_eq!(lost(&[ball(0.0, 1e-15)]), None);
         assert_eq!(lost(&[mesh(0.0, vec![[0, 1, 2]])]), None);
     }

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 use super::device::Device;
 use super::options::Quality;
 use super::sys::{self, BoundsArguments, CallbackArguments, QueryArguments, RtcBounds, Valid};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Unavailable};
 use crate::geometry::Aabb;
 
 /// Shapes that Embree asks us to intersect.
@@ -56,7 +56,7 @@ impl SceneBuilder {
     /// An empty scene.
     ///
     /// # Errors
-    /// [`Error::Limit`] where Embree makes none.
+    /// [`Error::Unavailable`] where Embree makes none.
     pub fn new(device: &Arc<Device>, robust: bool, quality: Quality) -> Result<Self> {
         let api = device.api();
         // SAFETY: the device lives.
@@ -75,7 +75,7 @@ impl SceneBuilder {
     /// Adds triangles as geometry `id`. Embree leaves out those whose indices are out of range.
     ///
     /// # Errors
-    /// [`Error::Limit`] where memory runs out.
+    /// A limit where memory runs out.
     pub fn triangles(&mut self, id: u32, mask: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_TRIANGLE)?;
         geometry.buffer(sys::BUFFER_VERTEX, sys::FORMAT_FLOAT3, positions)?;
@@ -87,7 +87,7 @@ impl SceneBuilder {
     /// Adds Embree's own spheres, centre and radius each, as geometry `id`.
     ///
     /// # Errors
-    /// [`Error::Limit`] where memory runs out.
+    /// A limit where memory runs out.
     pub fn sphere_points(&mut self, id: u32, mask: u32, spheres: &[Vec4]) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_SPHERE_POINT)?;
         geometry.buffer(sys::BUFFER_VERTEX, sys::FORMAT_FLOAT4, spheres)?;
@@ -98,7 +98,7 @@ impl SceneBuilder {
     /// Adds shapes of our own as geometry `id`.
     ///
     /// # Errors
-    /// [`Error::Limit`] where memory runs out.
+    /// A limit where memory runs out.
     pub fn user<T: UserGeometry + 'static>(&mut self, id: u32, mask: u32, user: T) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_USER)?;
         let user = Arc::new(user);
@@ -121,7 +121,7 @@ impl SceneBuilder {
     /// Builds the hierarchy.
     ///
     /// # Errors
-    /// [`Error::Limit`] with whatever Embree found wrong, out of memory above all.
+    /// A limit where memory runs out; [`Unavailable::Failed`] with any other error of Embree.
     pub fn commit(self) -> Result<Scene> {
         // SAFETY: scene and device live.
         unsafe { (self.0.device.api().commit_scene)(self.0.raw) };
@@ -233,7 +233,7 @@ impl Drop for NewGeometry {
 
 /// What Embree reported, or else `what`.
 fn refused(device: &Device, what: &str) -> Error {
-    device.check().err().unwrap_or_else(|| Error::Limit(format!("Embree: {what}")))
+    device.check().err().unwrap_or_else(|| Unavailable::Failed(what.into()).into())
 }
 
 unsafe extern "C" fn bounds_callback<T: UserGeometry>(arguments: *const BoundsArguments) {

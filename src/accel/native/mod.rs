@@ -130,7 +130,8 @@ impl Native {
         Ok(Self { triangles, spheres, stats })
     }
 
-    /// All bytes of the trees, for comparing two builds.
+    /// All bytes of the trees, for the test that they are the same for any number of threads.
+    #[doc(hidden)]
     #[must_use]
     pub fn tree_bytes(&self) -> Vec<u8> {
         let (t, s) = (&self.triangles, &self.spheres);

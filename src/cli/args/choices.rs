@@ -50,15 +50,3 @@ pub(in crate::cli) enum BvhArg {
     /// Several times as long to build: long renders where large and small triangles mix
     High,
 }
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum BackendArg {
-    /// Our own eight-wide hierarchy
-    Native,
-    /// The f64 renderer: slow, obvious, the arbiter
-    Reference,
-    /// Embree in its robust mode, where built in
-    Embree,
-    /// Embree in its fast mode, which may lose rays at edges
-    EmbreeFast,
-}

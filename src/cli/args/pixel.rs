@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use super::numbers::{above_minus_one, not_negative};
-use super::{BackendArg, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg};
+use super::{FresnelArg, RefractionArg, SettingsArgs, ShadowsArg};
+use crate::cli::backend::Renderer;
 
 /// Show the tree of rays behind one pixel, in f32 and in f64.
 #[derive(Debug, Args)]
@@ -67,5 +68,5 @@ pub(in crate::cli) struct PixelArgs {
 
     /// What traces the rays in f32 [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
-    pub backend: Option<BackendArg>,
+    pub backend: Option<Renderer>,
 }

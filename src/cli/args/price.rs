@@ -6,8 +6,9 @@ use std::time::Duration;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, value_parser};
 
+use super::BvhArg;
 use super::formulas::FormulasArgs;
-use super::{BackendArg, BvhArg};
+use crate::cli::backend::Renderer;
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
@@ -62,7 +63,7 @@ pub(in crate::cli) struct PriceArgs {
 
     /// The default back end [default: embree where it is there, else native]
     #[arg(long, value_enum)]
-    pub backend: Option<BackendArg>,
+    pub backend: Option<Renderer>,
 
     /// How much work the hierarchy's build is worth; the picture is the same [default: default]
     #[arg(long, value_enum)]

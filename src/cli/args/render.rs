@@ -6,7 +6,8 @@ use std::time::Duration;
 use clap::{Args, ValueEnum, value_parser};
 
 use super::numbers::{above_minus_one, above_zero, bound, exposure};
-use super::{BackendArg, BvhArg, EffectArgs, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg, price};
+use super::{BvhArg, EffectArgs, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg, price};
+use crate::cli::backend::Renderer;
 use crate::study::Spheres;
 
 /// Render a scene file or an OBJ model to a picture.
@@ -79,7 +80,7 @@ pub(in crate::cli) struct RenderArgs {
 
     /// What traces the rays [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
-    pub backend: Option<BackendArg>,
+    pub backend: Option<Renderer>,
 
     /// How much work the hierarchy's build is worth; the picture is the same [default: default]
     #[arg(long, value_enum, help_heading = "Machine")]

@@ -6,14 +6,14 @@ use super::choices::quality;
 use super::refuse_input;
 use crate::cli::args::{BenchArgs, RaysArg};
 use crate::image::Destination;
-use crate::trial::{Picture, Plan, RayKind};
+use crate::trial::{BenchPlan, Picture, RayKind};
 use crate::{Error, Result};
 
 /// A trial of the back ends.
 #[derive(Debug)]
 pub(in crate::cli) struct Bench {
     pub scenes: Vec<PathBuf>,
-    pub plan: Plan,
+    pub plan: BenchPlan,
     /// Whole pictures instead of rays.
     pub frames: bool,
     /// Triangles of one landscape, again and again, instead of scenes.
@@ -59,7 +59,7 @@ impl TryFrom<BenchArgs> for Bench {
         Ok(Self {
             frames: args.frames,
             plot,
-            plan: Plan {
+            plan: BenchPlan {
                 bvh: quality(args.bvh),
                 picture: Picture { edge: args.size, one_in: args.one_in },
                 kinds: RayKind::ALL.into_iter().filter(asked).collect(),

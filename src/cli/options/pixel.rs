@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use super::choices::oliveira;
 use super::{Overrides, refuse_input};
+use crate::accel::Backend;
 use crate::cli::args::PixelArgs;
-use crate::cli::backend::Backend;
+use crate::cli::backend::Renderer;
 use crate::image::Destination;
 use crate::render;
 use crate::{Error, Result};
@@ -31,12 +32,11 @@ impl TryFrom<PixelArgs> for Pixel {
     type Error = Error;
 
     fn try_from(args: PixelArgs) -> Result<Self> {
-        let backend = Backend::choose(args.backend)?;
-        if backend == Backend::Reference {
+        let Renderer::Packets(backend) = Renderer::choose(args.backend)? else {
             return Err(Error::Usage(String::from(
                 "--backend reference: its f64 is always shown; name what is to be shown beside it, such as native",
             )));
-        }
+        };
         let svg = match args.svg {
             None => None,
             Some(name) => {

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::super::args::{BackendArg, PriceArgs};
+use super::super::args::PriceArgs;
 use super::choices::quality;
-use crate::accel::BuildQuality;
-use crate::study::{Axis, Backend, engine};
+use crate::accel::{Backend, BuildQuality};
+use crate::cli::backend::Renderer;
+use crate::study::Axis;
 use crate::{Error, Result};
 
 /// A study of one scene.
@@ -39,18 +40,16 @@ impl TryFrom<PriceArgs> for Price {
             return Err(Error::Usage(String::from("price: name a scene and -o a folder, or ask for --formulas")));
         };
         let backend = match args.backend {
-            Some(BackendArg::Reference) => {
+            Some(Renderer::Packets(backend)) => backend,
+            Some(Renderer::Reference | Renderer::Walk(..)) => {
                 return Err(Error::Usage(String::from(
                     "--backend reference: f64 is what all is held against; take native, embree or embree-fast as the default",
                 )));
             }
-            Some(BackendArg::Native) => Backend::Native,
-            Some(BackendArg::Embree) => Backend::EmbreeRobust,
-            Some(BackendArg::EmbreeFast) => Backend::EmbreeFast,
-            None if engine::available(Backend::EmbreeRobust).is_ok() => Backend::EmbreeRobust,
+            None if Backend::Embree.availability().is_ok() => Backend::Embree,
             None => Backend::Native,
         };
-        engine::available(backend)?;
+        backend.availability()?;
         if folder.exists() && !folder.is_dir() {
             return Err(Error::Usage(format!("-o {}: is a file; name a folder", folder.display())));
         }

@@ -2,16 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum as _;
-
 use super::choices::{no_hierarchy, oliveira, quality};
 use super::{Overrides, effects, format_of, refuse_input};
-use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
+use crate::accel::{Backend, BuildQuality};
 use crate::cli::args::{
-    BackendArg, BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
+    BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
 };
-use crate::cli::backend::Backend;
+use crate::cli::backend::Renderer;
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::simd::ReciprocalModel;
@@ -31,7 +29,7 @@ pub(in crate::cli) struct Render {
     pub overrides: Overrides,
     /// What the scene's exact spheres are.
     pub spheres: Spheres,
-    pub backend: Backend,
+    pub backend: Renderer,
     pub bvh: BuildQuality,
     pub options: render::Options,
     /// What the free choices are made for, where that is asked.
@@ -91,15 +89,15 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Spheres, args.spheres.is_some()),
             (Axis::Cutoff, args.settings.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.settings.depth.is_some()),
-            (Axis::Backend, args.backend.is_some() || matches!(backend, Backend::Walk(..))),
+            (Axis::Backend, args.backend.is_some() || matches!(backend, Renderer::Walk(..))),
             (Axis::Triangles, args.triangles.is_some()),
             (Axis::Reciprocal, args.reciprocal.is_some()),
         ];
-        if args.bvh.is_some() && backend == Backend::Reference {
+        if args.bvh.is_some() && backend == Renderer::Reference {
             return Err(no_hierarchy("the f64 renderer has"));
         }
         let wish = args.max_error.map(Wish::MaxError).or(args.time_budget.map(Wish::Time));
-        if wish.is_some() && backend == Backend::Reference {
+        if wish.is_some() && backend == Renderer::Reference {
             return Err(Error::Usage(String::from(
                 "--backend reference: f64 is exact already; leave --max-error or --time-budget out",
             )));
@@ -151,20 +149,20 @@ impl TryFrom<RenderArgs> for Render {
 /// # Errors
 /// Usage, where a triangle test or a reciprocal is chosen for a back end that has its own; a limit, where this build has
 /// no Embree.
-fn backend(args: &RenderArgs) -> Result<Backend> {
+fn backend(args: &RenderArgs) -> Result<Renderer> {
     let flag = match (args.triangles, args.reciprocal) {
         (Some(_), _) => "--triangles",
         (None, Some(_)) => "--reciprocal",
-        (None, None) => return Backend::choose(args.backend),
+        (None, None) => return Renderer::choose(args.backend),
     };
-    if let Some(given @ (BackendArg::Reference | BackendArg::Embree | BackendArg::EmbreeFast)) = args.backend {
-        let name = given.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+    if let Some(given) = args.backend.filter(|given| *given != Renderer::Packets(Backend::Native)) {
         return Err(Error::Usage(format!(
-            "{flag}: is a choice of the native hierarchy, --backend {name} has its own; leave one of them out"
+            "{flag}: is a choice of the native hierarchy, --backend {} has its own; leave one of them out",
+            given.name()
         )));
     }
     let triangles = args.triangles.map_or(TriangleModel::Watertight, Into::into);
-    Ok(Backend::Walk(triangles, args.reciprocal.map_or(ReciprocalModel::Exact, Into::into)))
+    Ok(Renderer::Walk(triangles, args.reciprocal.map_or(ReciprocalModel::Exact, Into::into)))
 }
 
 impl From<TrianglesArg> for TriangleModel {

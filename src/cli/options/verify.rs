@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use super::choices::{no_hierarchy, quality};
-use crate::accel::BuildQuality;
-use crate::cli::args::{BackendArg, GroupArg, PathArg, VerifyArgs};
-use crate::cli::backend::Backend;
+use crate::accel::{Backend, BuildQuality};
+use crate::cli::args::{GroupArg, PathArg, VerifyArgs};
+use crate::error::{Error, Result, Unavailable};
 use crate::trial::verify::{self, Group};
-use crate::{Error, Result};
 
 /// Hard cases to be tried.
 #[derive(Debug)]
@@ -30,8 +29,8 @@ impl TryFrom<VerifyArgs> for Verify {
 
     fn try_from(args: VerifyArgs) -> Result<Self> {
         let embree = args.backend.contains(&PathArg::Embree);
-        if embree {
-            Backend::choose(Some(BackendArg::Embree))?;
+        if embree && !Backend::Embree.is_compiled_in() {
+            return Err(Unavailable::NotCompiledIn.into());
         }
         let known: &[Group] = if args.scene.is_some() { &Group::OF_SCENE } else { &Group::ALL };
         let mut groups: Vec<Group> = Vec::new();

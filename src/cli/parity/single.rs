@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 
 use super::Parity;
 use crate::Result;
-use crate::accel::Coherence;
 use crate::accel::reference::{Contact, Examined, Reference, Verdict};
+use crate::accel::{Backend, Coherence};
 use crate::cli::table::counted;
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::parity::{ask, cause_name, fault_name};
 use crate::trial::shown::{self, Ray};
-use crate::trial::verify::{Candidate, NativePath};
+use crate::trial::verify::{Candidate as _, UnderTest};
 
 /// Contacts that are listed.
 const LISTED: usize = 12;
@@ -75,12 +75,10 @@ impl Single {
     pub fn of(job: &Parity, scene: &Scene, reference: &Reference, ray: &Ray) -> Result<Self> {
         let examined = reference.examine(ray);
         let mut answers = Vec::new();
-        answer(&NativePath { bvh: job.bvh }, scene, &examined, ray, &mut answers)?;
-        let native_wrong = answers
-            .iter()
-            .map(|a| [&a.closest, &a.occluded].iter().filter(|v| v.starts_with("wrong")).count())
-            .sum::<usize>();
-        let left_out = embree(job, scene, &examined, ray, &mut answers).err().map(|e| e.to_string());
+        let mut ask = |backend| answer(UnderTest { backend, bvh: job.bvh }, scene, &examined, ray, &mut answers);
+        let native_wrong = ask(Backend::Native)?;
+        let embree = [Backend::Embree, Backend::EmbreeFast].into_iter().try_for_each(|b| ask(b).map(drop));
+        let left_out = embree.err().map(|e| e.to_string());
         let truth = examined.truth();
         let met = |t, geometry, primitive| Met::new(scene, t, geometry, primitive);
         let near = |c: &Contact| Near {
@@ -101,7 +99,7 @@ impl Single {
             answers,
             contacts: examined.contacts().iter().map(near).collect(),
             left_out,
-            native_wrong: native_wrong as u64,
+            native_wrong,
             passed: native_wrong == 0,
             ray: *ray,
         })
@@ -157,47 +155,28 @@ impl Met {
     }
 }
 
-/// The answers of every way through one path.
-fn answer<C: Candidate>(
-    path: &C,
-    scene: &Scene,
-    examined: &Examined,
-    ray: &Ray,
-    answers: &mut Vec<Answer>,
-) -> Result<()> {
-    let verdict = |v: Verdict| match v {
+/// Adds the answers of every kernel of one back end. Returns the number of wrong ones.
+fn answer(path: UnderTest, scene: &Scene, examined: &Examined, ray: &Ray, answers: &mut Vec<Answer>) -> Result<u64> {
+    let mut wrong = 0;
+    let mut verdict = |v: Verdict| match v {
         Verdict::Agrees => String::from("agrees"),
         Verdict::Undecidable(cause, _) => format!("undecidable: {}", cause_name(cause)),
-        Verdict::Wrong(fault) => format!("wrong: {}", fault_name(fault).replace('_', " ")),
+        Verdict::Wrong(fault) => {
+            wrong += 1;
+            format!("wrong: {}", fault_name(fault).replace('_', " "))
+        }
     };
-    for way in path.build(&scene.geometry)? {
-        let answered = ask(&way.accel, std::slice::from_ref(ray), Coherence::Incoherent);
+    for kernel in path.build(&scene.geometry)? {
+        let answered = ask(&kernel.accel, std::slice::from_ref(ray), Coherence::Incoherent);
         let (hit, blocked) = (answered.hits[0], answered.blocked[0]);
         answers.push(Answer {
             contender: path.name(),
-            way: way.name,
+            way: kernel.name,
             hit: hit.is_hit().then(|| Met::new(scene, f64::from(hit.t), hit.geometry, hit.primitive)),
             blocked,
             closest: verdict(examined.judge(&hit)),
             occluded: verdict(examined.judge_occluded(blocked)),
         });
     }
-    Ok(())
-}
-
-/// Both modes of Embree, where it is there.
-#[cfg(feature = "embree")]
-fn embree(job: &Parity, scene: &Scene, examined: &Examined, ray: &Ray, answers: &mut Vec<Answer>) -> Result<()> {
-    use crate::accel::embree::Mode;
-    use crate::trial::verify::EmbreePath;
-
-    for mode in [Mode::Robust, Mode::Fast] {
-        answer(&EmbreePath { mode, bvh: job.bvh }, scene, examined, ray, answers)?;
-    }
-    Ok(())
-}
-
-#[cfg(not(feature = "embree"))]
-fn embree(_: &Parity, _: &Scene, _: &Examined, _: &Ray, _: &mut Vec<Answer>) -> Result<()> {
-    Err(crate::Error::Limit(super::contenders::NOT_BUILT_IN.into()))
+    Ok(wrong)
 }

@@ -11,12 +11,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::backend;
-#[cfg(feature = "embree")]
-use super::backend::Backend;
 use super::options::{Pixel, refuse_input};
 use super::{Verdict, interrupt, output};
 use crate::accel::reference::Reference;
-use crate::accel::{BuildQuality, Intersector, Unbounded, native::Native};
+use crate::accel::{Accel, BuildOptions};
 use crate::load::{self, LoadOptions, Loaded};
 use crate::render::record::Tree;
 use crate::render::reference::Prepared;
@@ -108,19 +106,7 @@ fn check(job: &Pixel, scene: &Scene) -> Result<()> {
 
 /// The pixel by the renderer that makes pictures.
 fn narrow(job: &Pixel, scene: &Scene, observer: &Observer) -> Result<Side> {
-    match job.backend {
-        #[cfg(feature = "embree")]
-        Backend::Embree(mode) => {
-            use crate::accel::embree::{self, Embree};
-            let options = embree::Options { mode, threads: 1, ..embree::Options::default() };
-            recorded(Embree::build(&scene.geometry, &options)?, job, scene, observer)
-        }
-        _ => recorded(Native::try_build_as(&scene.geometry, BuildQuality::Default)?, job, scene, observer),
-    }
-}
-
-fn recorded<I: Intersector>(bounded: I, job: &Pixel, scene: &Scene, observer: &Observer) -> Result<Side> {
-    let accel = Unbounded::new(bounded, &scene.geometry);
+    let accel = Accel::build(job.backend, &scene.geometry, BuildOptions { threads: 1, ..BuildOptions::default() })?;
     let (radiance, truncated, tree) = render::recorded(scene, &accel, &job.options, observer, (job.x, job.y))?;
     Ok(Side { radiance: radiance.map(f64::from), truncated: truncated.map(f64::from), tree })
 }

@@ -380,8 +380,8 @@ fn ladder(tried: &[Candidate], double: Candidate, wish: Wish) -> (Vec<Candidate>
 
 #[cfg(test)]
 mod tests {
-    use super::super::axis::Backend;
     use super::*;
+    use crate::accel::Backend;
     use crate::scene::Settings;
 
     fn candidate(level: Option<Level>, seconds: f64, max: f64) -> Candidate {

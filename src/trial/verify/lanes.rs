@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::meshes::{Closed, opaque, unit};
 use super::sample::Rng;
-use super::{Candidate, Plan, Tally, Way};
+use super::{Candidate, NamedAccel, Plan, Tally};
 use crate::Result;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, Sphere};
@@ -95,7 +95,7 @@ fn spoil(packet: &mut Ray8, lane: usize, poison: f32) {
 }
 
 /// Tests all masks but the empty one. Inactive lanes are poisoned, and one active lane at a time.
-fn masks<I: Intersector>(way: &Way<I>, rays: &[Ray; 8], judge: &Judge, tally: &mut Tally) {
+fn masks<I: Intersector>(way: &NamedAccel<I>, rays: &[Ray; 8], judge: &Judge, tally: &mut Tally) {
     let mut scratch = I::Scratch::default();
     let (want, want_blocked) = (way.closest(rays, &mut scratch), way.occluded(rays, &mut scratch));
     let full = Ray8::pack(rays)[0];
@@ -134,7 +134,7 @@ fn masks<I: Intersector>(way: &Way<I>, rays: &[Ray; 8], judge: &Judge, tally: &m
 }
 
 /// Traces the same rays in other orders, alone, and by the other traversals.
-fn orders<I: Intersector>(ways: &[Way<I>], rng: &mut Rng, judge: &Judge, tally: &mut Tally) {
+fn orders<I: Intersector>(ways: &[NamedAccel<I>], rng: &mut Rng, judge: &Judge, tally: &mut Tally) {
     let mut scratch = I::Scratch::default();
     let rays: Vec<Ray> = (0..1600).map(|k| towards(rng, k * 5 % 8)).collect();
     let want = ways[0].closest(&rays, &mut scratch);

@@ -27,9 +27,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-#[cfg(feature = "embree")]
-pub use candidate::EmbreePath;
-pub use candidate::{Candidate, Held, NativePath, Way};
+pub use candidate::{Candidate, NamedAccel, UnderTest};
 pub use fresnel::INDEX_PAIRS;
 pub use group::Group;
 pub use scene::fire as fire_at_scene;

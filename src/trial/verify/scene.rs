@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::sample::Rng;
 use super::self_hits::{Leaving, leaving};
-use super::{Candidate, Finding, Group, Place, Plan, Tally, Way, in_batches, timed};
+use super::{Candidate, Finding, Group, NamedAccel, Place, Plan, Tally, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
@@ -21,7 +21,7 @@ const BATCHES: usize = 64;
 const CHUNK: usize = 256;
 
 /// Mean units of [`Budget`] per ray in a batch: several times that of a ray in a large model.
-const UNITS_A_RAY: u64 = 6_000;
+const UNITS_A_RAY: u64 = 2_400;
 
 /// Units of [`Budget`] after which no more rays are traced together.
 const CHUNK_UNITS: u64 = 2_000_000;
@@ -56,6 +56,7 @@ pub fn fire<C: Candidate>(
     observer: &Observer,
 ) -> Result<Vec<Finding>> {
     let target = Target { scene, name, ways: candidate.build(&scene.geometry)?, exact: candidate.is_exact() };
+    Reference::need(&scene.geometry)?;
     let arbiter = Reference::build(&scene.geometry);
     let aim = Aim::at(scene);
     let mut findings = Vec::new();
@@ -80,7 +81,7 @@ struct Target<'a, I> {
     scene: &'a Scene,
     /// File of the scene, as typed.
     name: &'a str,
-    ways: Vec<Way<I>>,
+    ways: Vec<NamedAccel<I>>,
     /// True if all traversals promise the same bits.
     exact: bool,
 }

@@ -1,0 +1,16 @@
+//! Facts about the Embree library of this machine.
+
+/// A library that was loaded and found fit.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Installed {
+    /// Major, minor and patch.
+    pub version: String,
+    /// The widest instructions that it traces packets with.
+    pub isa: &'static str,
+    /// Its tasking system.
+    pub tasking: &'static str,
+    /// The file it was loaded from.
+    pub file: String,
+    /// The rule that found the file.
+    pub found_by: &'static str,
+}
