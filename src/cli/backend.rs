@@ -114,7 +114,7 @@ pub(super) struct Traced {
     pub render_time: Duration,
     /// Version of the library that traced the rays, where it was not this program itself.
     pub library: Option<String>,
-    /// TestCounts of triangle tests, where the test was chosen.
+    /// Numbers of triangle tests, where the test was chosen.
     pub lanes: Option<TestCounts>,
 }
 
@@ -154,7 +154,7 @@ pub(super) fn trace(
             let walk = Walk::try_build(&scene.geometry, bvh, triangles, reciprocal)?;
             let accel = Unbounded::new(walk, &scene.geometry);
             let traced = with(&accel, start, scene, options, observer, exposure)?;
-            Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
+            Ok(Traced { lanes: Some(accel.inner().test_counts()), ..traced })
         }
         Renderer::Reference => {
             let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
