@@ -6,10 +6,9 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
 use super::{interrupt, output};
-use crate::accel::walk::{TestCounts, Walk};
+use crate::accel::walk::{TestCounts, TriangleModel, Walk};
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, BuildStats, Intersector, Unbounded};
 use crate::error::{Error, Result, Unavailable};
-use crate::geometry::triangle_test::TriangleModel;
 use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::options::Verify;
-use super::table::{counted, grouped};
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::Backend;
 use crate::load::{self, LoadOptions, Loaded};
+use crate::measure::table::{counted, grouped};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;

@@ -8,6 +8,7 @@
 //! What is chosen prepares the rays, clips them to boxes and meets triangles. Exact spheres divide truly whatever is
 //! chosen.
 
+pub use crate::geometry::triangle_test::TriangleModel;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::native::Native;
@@ -18,7 +19,7 @@ use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector};
 use crate::Result;
 use crate::geometry::slab::{SlabRay, upper_end};
 use crate::geometry::triangle_test::{
-    Certified, Meeting, MollerTrumbore, PlaneArea, Pluecker, TriangleModel, TriangleTest, Watertight,
+    Certified, Meeting, MollerTrumbore, PlaneArea, Pluecker, TriangleTest, Watertight,
 };
 use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, sphere};
 use crate::math::Real;

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::choices::{no_hierarchy, oliveira, quality};
 use super::{Overrides, effects, format_of, refuse_input};
+use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::args::{
     BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
 };
 use crate::cli::backend::Renderer;
 use crate::effects::Effect;
-use crate::geometry::triangle_test::TriangleModel;
 use crate::image::{Bits, Destination, Format};
 use crate::simd::ReciprocalModel;
 use crate::study::budget::Wish;

@@ -4,9 +4,9 @@ use super::evaluate::{Answer, Case, Formula};
 use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{FUSED, LaneMask, Real, Vector3, ulp};
+use crate::measure::sample::Rng;
 use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, Schlick, oracle, polarised, polarised_as_printed};
 use crate::simd::{F32x8, Vec3x8};
-use crate::trial::verify::sample::Rng;
 
 #[derive(Clone, Copy)]
 struct Reflectance<F>(F);
@@ -50,6 +50,9 @@ const RANGES: [Range; 17] = [
     Range::new("water to glass, all angles", 1.33, 1.5, Angles::All),
     Range::new("glass to water, to 1e-3 of critical", 1.5, 1.33, Angles::BelowCritical),
 ];
+
+/// Index of the formula that answers for both polarisations apart.
+const PER_POLARISATION: usize = 1;
 
 const NAMES: [&str; 5] = ["exact", "per polarisation", "as printed", "schlick", "fixed"];
 
@@ -157,7 +160,7 @@ fn tally(plan: &Plan, formulas: &[Box<dyn Formula>; 5], range: &Range, number: u
                     tally.add(off / f64::from(ulp(want as f32)), off, relative);
                 };
                 // The reflectance in the plane of incidence has a zero: it is held against the other one.
-                if NAMES[f] == "per polarisation" {
+                if f == PER_POLARISATION {
                     let off_p = (f64::from(got.y) - p).abs();
                     one(got.x, s, s);
                     tally.worst.relative = tally.worst.relative.map(|worst| worst.max(off_p / s));
@@ -165,7 +168,7 @@ fn tally(plan: &Plan, formulas: &[Box<dyn Formula>; 5], range: &Range, number: u
                     one(got.z, 0.5 * (s + p), 0.5 * (s + p));
                 }
                 let got = formulas[f].double(&case64).0;
-                let off = if NAMES[f] == "per polarisation" {
+                let off = if f == PER_POLARISATION {
                     (got.x - s64).abs().max((got.y - p64).abs())
                 } else {
                     (got.z - 0.5 * (s64 + p64)).abs()

@@ -4,11 +4,11 @@ use super::evaluate::{Answer, Case, Formula, lane};
 use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{Real, Vector3};
+use crate::measure::sample::Rng;
 use crate::optics::{
     Bec, Boundary, Heckbert, Oliveira, RefractionFormula, SlidesVector, Stable, StraightThrough, Trigonometric, oracle,
 };
 use crate::simd::{F32x8, Vec3x8};
-use crate::trial::verify::sample::Rng;
 
 #[derive(Clone, Copy)]
 struct Refract<F>(F);
