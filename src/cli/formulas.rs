@@ -33,7 +33,7 @@ pub(super) fn run(job: &Formulas) -> Result<Verdict> {
         output::print_json(&Report {
             version: env!("CARGO_PKG_VERSION"),
             simd: level::BUILT,
-            fused: level::FUSED,
+            fused: crate::math::FUSED,
             cpu: crate::measure::machine::cpu(),
             count: job.plan.count,
             formulas: measured,

@@ -26,9 +26,6 @@ pub const BUILT: &str = match (
     _ => "portable",
 };
 
-/// True if this binary was built for fused multiply-add of x86-64.
-pub const FUSED: bool = cfg!(all(target_arch = "x86_64", target_feature = "fma"));
-
 /// The cure, where the build is for less than the machine can do.
 pub const CURE: &str = "build with RUSTFLAGS=\"-C target-cpu=native\"";
 

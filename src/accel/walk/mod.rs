@@ -9,6 +9,7 @@
 //! chosen.
 
 pub use crate::geometry::triangle_test::TriangleModel;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::native::Native;
@@ -18,12 +19,10 @@ use super::native::node::leaf::{Leaf, LeafHits, Tags};
 use super::{BuildQuality, BuildStats, Coherence, Counts, Intersector};
 use crate::Result;
 use crate::geometry::slab::{SlabRay, upper_end};
-use crate::geometry::triangle_test::{
-    Certified, Meeting, MollerTrumbore, PlaneArea, Pluecker, TriangleTest, Watertight,
-};
+use crate::geometry::triangle_test::{Meeting, TriangleTest, TriangleVisitor};
 use crate::geometry::{Geometry, Hit, Hit8, Ray, Ray8, sphere};
 use crate::math::Real;
-use crate::simd::{Division, F32x8, Guess, Mask8, NewtonStep, Reciprocal, ReciprocalModel, Vec3x8};
+use crate::simd::{F32x8, Mask8, Reciprocal, ReciprocalModel, ReciprocalVisitor, Vec3x8};
 use crate::system::memory;
 
 /// The native hierarchy with a triangle test and a reciprocal of choice. Planes are left to [`super::Unbounded`].
@@ -144,13 +143,7 @@ impl Walk {
                 Balls { centre, radius, tags: tags(&ids) }
             }),
         };
-        let kernels = match triangles {
-            TriangleModel::PlaneArea => Kernels::of::<PlaneArea>(reciprocal),
-            TriangleModel::MollerTrumbore => Kernels::of::<MollerTrumbore>(reciprocal),
-            TriangleModel::Pluecker => Kernels::of::<Pluecker>(reciprocal),
-            TriangleModel::Watertight => Kernels::of::<Watertight>(reciprocal),
-            TriangleModel::Certified => Kernels::of::<Certified>(reciprocal),
-        };
+        let kernels = triangles.dispatch(By(reciprocal));
         let [tested, settled] = [AtomicU64::new(0), AtomicU64::new(0)];
         Ok(Self { trees, kernels, stats: native.stats, tested, settled })
     }
@@ -185,17 +178,25 @@ impl Intersector for Walk {
     }
 }
 
-impl Kernels {
-    fn of<T: TriangleTest>(reciprocal: ReciprocalModel) -> Self {
-        match reciprocal {
-            ReciprocalModel::Exact => Self::by::<T, Division>(),
-            ReciprocalModel::Newton => Self::by::<T, NewtonStep>(),
-            ReciprocalModel::Estimate => Self::by::<T, Guess>(),
-        }
-    }
+/// Finds the kernels of a triangle test for a reciprocal.
+struct By(ReciprocalModel);
 
-    fn by<T: TriangleTest, D: Reciprocal>() -> Self {
-        Self { closest: closest::<T, D>, occluded: occluded::<T, D> }
+impl TriangleVisitor for By {
+    type Output = Kernels;
+
+    fn visit<T: TriangleTest>(self, test: T) -> Kernels {
+        self.0.dispatch(With(test))
+    }
+}
+
+/// Finds the kernels of a reciprocal for a triangle test.
+struct With<T>(T);
+
+impl<T: TriangleTest> ReciprocalVisitor for With<T> {
+    type Output = Kernels;
+
+    fn visit<D: Reciprocal>(self, _reciprocal: D) -> Kernels {
+        Kernels { closest: closest::<T, D>, occluded: occluded::<T, D> }
     }
 }
 

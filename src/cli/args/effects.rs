@@ -2,6 +2,7 @@
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
+use crate::choice::Choice as _;
 use crate::effects::Effect;
 
 /// What was typed about effects.
@@ -15,9 +16,14 @@ pub(in crate::cli) struct EffectArgs {
 
 const HEADING: &str = "Effects";
 
+/// Returns the name of the flag that leaves an effect out.
+fn flag(effect: Effect) -> String {
+    format!("no-{effect}")
+}
+
 impl FromArgMatches for EffectArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let no = Effect::ALL.iter().copied().filter(|e| matches.get_flag(e.flag())).collect();
+        let no = Effect::ALL.into_iter().filter(|e| matches.get_flag(&flag(*e))).collect();
         Ok(Self { effects: matches.get_one::<String>("effects").cloned(), no })
     }
 
@@ -34,9 +40,10 @@ impl Args for EffectArgs {
                 "What the scene calls for, the same by code that knows everything, or these alone [default: auto]",
             );
         Effect::ALL.iter().fold(command.arg(choice), |command, effect| {
-            let help = format!("Leave it out: {}", effect.left_out());
-            let flag = Arg::new(effect.flag()).long(effect.flag()).action(ArgAction::SetTrue).help_heading(HEADING);
-            command.arg(flag.help(help))
+            // The parser keeps names for ever.
+            let name: &'static str = flag(*effect).leak();
+            let flag = Arg::new(name).long(name).action(ArgAction::SetTrue);
+            command.arg(flag.help(effect.help()).help_heading(HEADING))
         })
     }
 
