@@ -16,19 +16,20 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("geometry", &["simd", "math"]),
     ("optics", &["simd", "math"]),
     ("accel", &["geometry", "simd", "math"]),
+    ("measure", &["accel", "simd", "math"]),
     ("scene", &["geometry", "math"]),
     ("effects", &["scene", "optics", "geometry"]),
     ("image", &[]),
     ("load", &["scene", "geometry", "image", "optics", "math"]),
     ("render", &["effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("notices", &["load", "render", "effects", "scene", "accel", "geometry"]),
-    ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("study", &["trial", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image", "measure"]),
+    ("study", &["measure", "load", "render", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     (
         "cli",
         &[
-            "study", "trial", "notices", "load", "render", "effects", "accel", "image", "scene", "optics", "simd",
-            "math",
+            "study", "trial", "measure", "notices", "load", "render", "effects", "accel", "image", "scene", "optics",
+            "simd", "math",
         ],
     ),
 ];
@@ -374,4 +375,22 @@ fn faults_of_prose_are_found() {
         sentences("It ends (here). It does! `So.` 1.5 stays"),
         ["It ends (here).", "It does!", "`So.`", "1.5 stays"]
     );
+
+/// Everything else names [`Backend`](vitrum::accel::Backend)s, which exist in every build.
+#[test]
+fn one_line_outside_the_room_of_embree_depends_on_its_feature() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    let lines: Vec<String> = files
+        .iter()
+        .filter(|file| !file.starts_with(src.join("accel/embree")))
+        .flat_map(|file| {
+            let text = std::fs::read_to_string(file).expect("source can be read");
+            let name = file.strip_prefix(&src).expect("file lies in src").display().to_string();
+            let found = text.matches("feature = \"embree\"").count();
+            std::iter::repeat_n(name, found).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(lines, ["accel/mod.rs"]);
 }

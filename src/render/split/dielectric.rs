@@ -8,7 +8,6 @@ use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
-use super::super::worker::MOST_PASSES;
 use super::disperse::disperse;
 use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
@@ -16,7 +15,7 @@ use crate::math::Real;
 use crate::optics::{
     Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
 };
-use crate::scene::{FresnelRule, Interface, Rgb};
+use crate::scene::{FresnelRule, Interface, MOST_PASSES, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Picks the stage for a refraction formula. The variant for touching surfaces also handles dispersion, by looking up
