@@ -38,8 +38,8 @@ pub(crate) fn diagnosis(architecture: &str, features: &str, flags: &str) -> Opti
         )
     };
     Some(format!(
-        "built without AVX2 and FMA, slower and less exact: {found}. {because} Cure: put `-C target-cpu=native` (for any \
-         CPU since 2013: `-C target-cpu=x86-64-v3`) into RUSTFLAGS if that is set, else write [build] rustflags = [\"-C\", \
-         \"target-cpu=native\"] into the .cargo/config.toml of the project that you build."
+        "built without AVX2 and FMA, slower and less exact: {found}. {because} Cure: put `-C target-cpu=native` (for \
+         every machine with AVX2: `-C target-cpu=x86-64-v3`) into RUSTFLAGS if that is set, else write [build] rustflags = \
+         [\"-C\", \"target-cpu=native\"] into the .cargo/config.toml of the project that you build."
     ))
 }

@@ -1,9 +1,9 @@
-//! What it is worth to simulate only the effects that a scene calls for: each scene of `scenes/`, small, by the stages
-//! that it calls for (`auto`) and by those that know everything (`all`), which make the same picture.
+//! Gain of simulating only the effects of a scene. Each scene of `scenes/`, small, is rendered by its own stages
+//! (`auto`) and by stages for everything (`all`), which make the same picture.
 //!
-//! The two take turns, by turns one and the other first, on one thread. The figure is the ratio within a turn, auto over
-//! all, below 1 where auto is faster: its median, and the interval that holds the true one with 95 % confidence. Where
-//! that reaches above [`MOST`], the program says so and ends with 1.
+//! The two take turns, with alternating order, on one thread. The figure is the ratio within a turn, auto over all,
+//! below 1 where auto is faster: its median, and the interval that holds the true one with 95 % confidence. Where that
+//! reaches above [`MOST`], the program says so and ends with 1.
 //!
 //!     cargo bench --bench effects [-- NAME...]               every scene, or those named
 //!     cargo bench --bench effects -- --once auto|all NAME    one picture, for a counter of instructions
@@ -22,7 +22,7 @@ use vitrum::study::clock::Figure;
 /// so that many turns go into the interval.
 const TIMED: (u32, u32) = (160, 120);
 
-/// What a picture that is timed may take, where it is not as small as [`COUNTED`].
+/// Largest time of a picture, unless it is as small as [`COUNTED`].
 const LITTLE: Duration = Duration::from_millis(12);
 
 /// Columns and rows of those whose instructions are counted, and of tests.

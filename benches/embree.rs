@@ -1,9 +1,9 @@
-//! What the streams of [`Embree`] cost on top of Embree.
+//! Overhead of the ray streams of [`Embree`] on top of Embree.
 //!
-//! One small renderer (a point light with shadows, Lambert's cosine, and mirror rays that are only counted) over two
-//! ways to trace, which share all shading: packets put straight into Embree's structs and read straight out of them,
-//! and streams of our own packets through [`Intersector`]. Making packets and reading hits is inside the clock on both
-//! sides. The two take turns, and the figures are ratios within a round.
+//! One small renderer traces in two ways that share all shading. It has a point light with shadows, Lambert's cosine,
+//! and mirror rays that are only counted. One way writes packets directly into Embree's structs and reads them there;
+//! the other sends streams of our own packets through [`Intersector`]. Making packets and reading hits is inside the
+//! clock on both sides. The two take turns, and the figures are ratios within a round.
 
 mod support;
 
@@ -27,7 +27,7 @@ use vitrum::trial::{Picture, View, rays};
 /// Pixels of a tile.
 const TILE: usize = 64;
 
-/// What is timed apart, in this order, before the whole.
+/// Phases timed separately, in this order, before the whole.
 const PHASES: [&str; 4] = ["primary", "shading", "shadow", "mirror"];
 
 /// Both hierarchies are built so many times, by turns first and second: where memory lies makes a difference of its own.
@@ -48,7 +48,7 @@ trait Tracer {
 /// Calls of Embree on structs that are written and read in place.
 struct Plain {
     scene: Scene,
-    /// Whether sixteen rays go into coherent calls.
+    /// True if coherent calls take sixteen rays.
     wide: bool,
     eight: RtcRayHit8,
     sixteen: RtcRayHit16,
@@ -236,20 +236,20 @@ impl Tracer for Streams {
     }
 }
 
-/// What is rendered.
+/// Scene to render.
 struct Scenery<'a> {
     mesh: &'a TriMesh,
     /// Through the pixels, tile by tile.
     primary: Vec<Ray>,
     light: Vec3,
-    /// How far off the surface secondary rays start.
+    /// Offset of secondary rays from the surface.
     push: f32,
 }
 
 /// A place that is seen.
 struct Surface {
     pixel: usize,
-    /// Where secondary rays start.
+    /// Origin of secondary rays.
     start: Vec3,
     incident: Vec3,
     /// Geometric, of unit length, against the ray.
@@ -280,7 +280,7 @@ impl Surface {
     }
 }
 
-/// What a rendering comes to.
+/// Result of a rendering.
 #[derive(Default)]
 struct Outcome {
     /// By pixel.

@@ -205,7 +205,7 @@ fn directions(c: &mut Criterion) {
     formula(c, "transmittance", Kind::<{ Other::Transmittance as u8 }>);
 }
 
-/// How far off they are, beside what they cost.
+/// Errors of the formulas, printed beside their times.
 fn errors(_: &mut Criterion) {
     use vitrum::study::formulas::{Kind, Plan, measure, text};
     let kinds = vec![Kind::Refraction, Kind::Fresnel, Kind::Reflection, Kind::Reciprocal];

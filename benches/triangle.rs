@@ -1,13 +1,11 @@
-//! Nanoseconds of each ray/triangle test: a ray at eight triangles, one at one, and that in `f64`; then, once, how far
-//! off each is and how many rays it loses, from the same code as `vitrum price --formulas --of triangle`.
+//! Nanoseconds of each ray/triangle test: a ray at eight triangles, one at one, and that in `f64`. Then, once, the
+//! error of each test and the number of rays it loses, from the same code as `vitrum price --formulas --of triangle`.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use vitrum::geometry::triangle_test::{
-    Certified, Lanes, MollerTrumbore, PlaneArea, Pluecker, TriangleTest, Watertight,
-};
+use vitrum::geometry::triangle_test::{Lanes, TriangleModel, TriangleTest, TriangleVisitor};
 use vitrum::math::Vector3;
 use vitrum::simd::{F32x8, Vec3x8};
 use vitrum::study::formulas::{Kind, Plan, measure, text};
@@ -36,8 +34,8 @@ fn pairs() -> Vec<(Vec3, Vec3, [Vec3; 3])> {
 /// A ray made ready for a test, and the corners of a triangle.
 type Pair<T, R> = (<T as TriangleTest>::Ray<R>, [Vector3<R>; 3]);
 
-fn time<T: TriangleTest, R: Lanes>(c: &mut Criterion, width: &str, pairs: &[Pair<T, R>]) {
-    let mut group = c.benchmark_group(format!("triangle/{}", T::NAME));
+fn time<T: TriangleTest, R: Lanes>(c: &mut Criterion, name: &str, width: &str, pairs: &[Pair<T, R>]) {
+    let mut group = c.benchmark_group(format!("triangle/{name}"));
     group.throughput(Throughput::Elements((pairs.len() * R::COUNT) as u64));
     group.bench_function(width, |b| {
         b.iter(|| {
@@ -50,7 +48,7 @@ fn time<T: TriangleTest, R: Lanes>(c: &mut Criterion, width: &str, pairs: &[Pair
     group.finish();
 }
 
-fn test<T: TriangleTest>(c: &mut Criterion) {
+fn test<T: TriangleTest>(c: &mut Criterion, name: &str) {
     let pairs = pairs();
     let eights: Vec<_> = pairs
         .as_chunks::<8>()
@@ -66,21 +64,26 @@ fn test<T: TriangleTest>(c: &mut Criterion) {
             (T::prepare::<F32x8>(Vec3x8::splat(eight[0].0), Vec3x8::splat(eight[0].1)), corners)
         })
         .collect();
-    time::<T, F32x8>(c, "f32x8", &eights);
+    time::<T, F32x8>(c, name, "f32x8", &eights);
     let ones: Vec<_> =
         pairs.iter().map(|&(o, d, c)| (T::prepare::<f32>(o.into(), d.into()), c.map(Vector3::from))).collect();
-    time::<T, f32>(c, "f32", &ones);
+    time::<T, f32>(c, name, "f32", &ones);
     let wide = |p: Vec3| Vector3::from(p.as_dvec3());
     let doubles: Vec<_> = pairs.iter().map(|&(o, d, c)| (T::prepare::<f64>(wide(o), wide(d)), c.map(wide))).collect();
-    time::<T, f64>(c, "f64", &doubles);
+    time::<T, f64>(c, name, "f64", &doubles);
 }
 
 fn triangles(c: &mut Criterion) {
-    test::<PlaneArea>(c);
-    test::<MollerTrumbore>(c);
-    test::<Pluecker>(c);
-    test::<Watertight>(c);
-    test::<Certified>(c);
+    struct Of<'a>(&'a mut Criterion, &'static str);
+    impl TriangleVisitor for Of<'_> {
+        type Output = ();
+        fn visit<T: TriangleTest>(self, _test: T) {
+            test::<T>(self.0, self.1);
+        }
+    }
+    for model in TriangleModel::ALL {
+        model.dispatch(Of(c, model.name()));
+    }
     let plan = Plan { count: 2000, time: false, kinds: vec![Kind::Triangle] };
     println!("{}", text(&measure(&plan, || true).expect("nobody interrupts a benchmark")));
 }

@@ -4,20 +4,20 @@
 
 use std::f32::consts::TAU;
 
-use vitrum::accel::Intersector as _;
-use vitrum::accel::native::Native;
+use vitrum::accel::{Accel, Backend, BuildQuality, Intersector as _};
 use vitrum::geometry::{Geometry, Ray, TriMesh};
 use vitrum::glam::{Vec2, Vec3};
 
-fn main() {
-    for row in picture(64, 32) {
+fn main() -> vitrum::Result<()> {
+    for row in picture(64, 32)? {
         println!("{row}");
     }
+    Ok(())
 }
 
 /// The torus by depth: `#` is near, `.` is far, and a space is no hit.
-pub fn picture(width: usize, height: usize) -> Vec<String> {
-    let accel = Native::build(&[Geometry::new(torus(1.0, 0.4, 64))]);
+pub fn picture(width: usize, height: usize) -> vitrum::Result<Vec<String>> {
+    let accel = Accel::build(Backend::Native, &[Geometry::new(torus(1.0, 0.4, 64))], BuildQuality::Default)?;
     let at = |i: usize, n: usize| (i as f32 + 0.5) / n as f32 * 3.0 - 1.5;
     let rays: Vec<Ray> = (0..width * height)
         .map(|i| Vec2::new(at(i % width, width), at(i / width, height)))
@@ -26,7 +26,7 @@ pub fn picture(width: usize, height: usize) -> Vec<String> {
     let hits = accel.hits(&rays);
     let shade =
         |t: f32| if t.is_infinite() { ' ' } else { ['#', '+', ':', '.'][((t - 1.6) * 10.0).clamp(0.0, 3.0) as usize] };
-    hits.chunks(width).map(|row| row.iter().map(|hit| shade(hit.t)).collect()).collect()
+    Ok(hits.chunks(width).map(|row| row.iter().map(|hit| shade(hit.t)).collect()).collect())
 }
 
 /// A torus around the y axis with `n` by `n` corners.

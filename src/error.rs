@@ -54,8 +54,8 @@ pub enum Error {
 pub enum Unavailable {
     /// The program was built without the cargo feature `embree`.
     #[error(
-        "Embree: this program was built without it; build with `cargo build --release --features embree`, or take the \
-         native back end"
+        "Embree: this program was built without it; build with the feature `embree` of the crate vitrum (for the program: \
+         `cargo build --release --features embree`), or take the native back end"
     )]
     NotCompiledIn,
     /// The library is not on this machine.

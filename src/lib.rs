@@ -2,7 +2,7 @@
 //!
 //! # Trace rays against a mesh
 //!
-//! [`accel`] knows shapes and nothing else. A hit is a distance, a triangle and its barycentric weights.
+//! [`accel`] knows shapes and nothing else. [`accel::Accel`] is built by one of the back ends. A hit is a distance, a triangle and its barycentric weights.
 //!
 //! ```
 //! use vitrum::accel::{Accel, Backend, BuildOptions, Intersector as _};
@@ -71,7 +71,7 @@
 //! | [`render`] | the renderers in eight lanes and in `f64` |
 //! | [`notices`] | warnings about a scene and its picture |
 //! | [`trial`], [`study`] | back ends side by side; what accuracy costs |
-//! | [`error`], [`system`] | the error type; limits of the machine |
+//! | [`error`], [`system`], [`choice`] | the error type; limits of the machine; settings with named levels |
 //!
 //! # Building
 //!
@@ -86,6 +86,7 @@
 #![warn(missing_docs)]
 
 pub mod accel;
+pub mod choice;
 #[cfg(feature = "cli")]
 #[doc(hidden)] // For src/main.rs alone.
 pub mod cli;

@@ -36,7 +36,7 @@ fn list<'a>(value: &'a Value, name: &str) -> &'a [Value] {
     value[name].as_array().unwrap()
 }
 
-/// Whether Embree takes part, by the program's own word.
+/// Returns true if the program reports that Embree takes part.
 fn has_embree() -> bool {
     !json(vitrum().arg("doctor"))["embree"].is_null()
 }

@@ -6,7 +6,7 @@ mod build;
 
 use build::diagnosis;
 
-/// What rustc enables for plain x86-64.
+/// Features that rustc enables for plain x86-64.
 const PLAIN: &str = "fxsr,sse,sse2,x87";
 
 #[test]

@@ -23,7 +23,7 @@ const GROUPS: [(&str, usize); 15] = [
     ("PA", 9),
 ];
 
-/// What the row of a case that has no test begins with.
+/// Beginning of the row of a case that has no test.
 const NONE: &str = "Does not apply: ";
 
 fn root() -> &'static Path {
@@ -64,7 +64,7 @@ fn above(path: &str, name: &str) -> Vec<String> {
     lines[start.map_or(0, |i| i + 1)..places[0]].iter().map(|&l| l.to_owned()).collect()
 }
 
-/// Whether a word stands in a text by itself.
+/// Returns true if a word stands in a text by itself.
 fn says(doc: &[String], id: &str) -> bool {
     doc.iter().any(|line| line.split(|c: char| !c.is_ascii_alphanumeric() && c != '-').any(|word| word == id))
 }

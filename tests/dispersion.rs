@@ -90,8 +90,8 @@ fn turned(degrees: f64) -> DVec2 {
     DVec2::from_angle(degrees.to_radians())
 }
 
-/// What the prism does to a ray that meets the middle of its left face under an angle (degrees): where it leaves the
-/// right face, the angle of its direction to the x axis, and the share that arrives there.
+/// Computes the path of a ray that hits the middle of the prism's left face under an angle (degrees). Returns the point
+/// where it leaves the right face, the angle of its direction to the x axis, and the share of light that arrives there.
 fn through_the_prism(n: f64, incidence: f64) -> Option<(DVec2, f64, f64)> {
     let sin_i = incidence.to_radians().sin();
     let first = (sin_i / n).asin();
@@ -243,7 +243,7 @@ fn white_stays_whole_where_its_wavelengths_stay_together() {
     }
 }
 
-/// What a window costs: its wavelengths leave side by side, and stay apart.
+/// The wavelengths behind a window leave in parallel and stay apart.
 #[test]
 fn behind_a_slab_wavelengths_are_parallel_and_as_far_apart_as_snell_has_them() {
     let curve = named("sf11");

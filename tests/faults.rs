@@ -1,6 +1,6 @@
-//! What goes wrong around the program: a disk that is full or goes away, a reader that leaves, Ctrl-C at any moment, a file
-//! that changes while it is read, no memory. Each time one line that says so, the exit code of its kind, and no file that is
-//! not whole. (`tests/cli.rs` has the plain cases of IO-16 and IO-17.)
+//! Faults around the program: a disk that is full or vanishes, a reader that leaves, Ctrl-C at any moment, a file that
+//! changes while it is read, no memory. Each gives one line that names it and the exit code of its kind, and leaves no
+//! incomplete file. (`tests/cli.rs` has the plain cases of IO-16 and IO-17.)
 
 #![cfg(target_os = "linux")]
 
@@ -8,13 +8,15 @@ use std::fmt::Write as _;
 use std::fs;
 use std::io::Read as _;
 use std::os::unix::process::ExitStatusExt as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use tempfile::TempDir;
 use vitrum::load::{self, LoadOptions};
+
+use crate::support::program::{names, program};
 
 /// A ball of glass under a sky; `size` is the picture's.
 fn scene(width: u32, height: u32) -> String {
@@ -32,22 +34,11 @@ fn place(width: u32, height: u32) -> TempDir {
     folder
 }
 
-fn program() -> PathBuf {
-    assert_cmd::cargo::cargo_bin("vitrum")
-}
-
 fn vitrum(folder: &Path, line: &str) -> Command {
     let mut command = Command::new(program());
     command.args(line.split_whitespace()).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
 }
 
 /// The program ended with `code` and one line that says `what`.
@@ -334,7 +325,6 @@ fn a_study_names_what_is_in_the_way_of_its_folder_and_goes_on_from_a_damaged_jou
         vitrum(folder.path(), &line).output().unwrap()
     };
     refused(&study("link"), 3, "link is a link to a folder that does not exist");
-    refused(&study("scene.toml"), 3, "scene.toml is a file");
     assert!(study("out").status.success());
     let journal = folder.path().join("out/study/journal.jsonl");
     let whole = fs::read(&journal).unwrap();

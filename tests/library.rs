@@ -25,7 +25,7 @@ use vitrum::scene::{
 /// By hand: a torus of radii 1 and 0.4 seen from above along y, 1.5 units to each side of the middle.
 #[test]
 fn the_first_example_shows_a_torus_with_its_hole() {
-    let rows = trace_mesh::picture(60, 60);
+    let rows = trace_mesh::picture(60, 60).unwrap();
     let at = |x: f32, z: f32| {
         let place = |v: f32| ((v + 1.5) / 3.0 * 60.0) as usize;
         rows[place(z)].as_bytes()[place(x)]

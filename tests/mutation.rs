@@ -1,5 +1,5 @@
-//! Files and command lines with something broken in them, by the thousand and the same every time: no panic, one line
-//! for an error, whatever is accepted is a sound scene, and none of it takes much memory or time.
+//! Thousands of files and command lines with faults, the same in every run. No panic may occur, an error is one line,
+//! accepted input is a valid scene, and none of it takes much memory or time.
 //!
 //! `VITRUM_FUZZ=1e7 cargo test --release --test mutation` runs ten million files (shared out among the kinds) and ten
 //! thousand command lines; `VITRUM_FUZZ_SEED` makes them others.
@@ -77,10 +77,10 @@ static ALLOCATOR: Counting = Counting;
 /// Bytes that one file of at most 64 KiB may make the loader hold, under the limits of `entry::load`.
 const MOST_HELD: isize = 64 << 20;
 
-/// What no file of at most 64 KiB may take, on any machine and in any build: something has no end.
+/// Time limit for a file of at most 64 KiB, on any machine and in any build; beyond it some loop does not end.
 const ENDLESS: Duration = Duration::from_secs(60);
 
-/// How many files of a kind, of which a plain run has `plain`; `share` of the long run.
+/// Returns the number of files of a kind: `plain` in a plain run, `share` of the long run.
 fn executions(plain: usize, share: f64) -> usize {
     let wanted = std::env::var("VITRUM_FUZZ").ok().map(|n| n.parse::<f64>().expect("VITRUM_FUZZ is a number"));
     wanted.map_or(plain, |n| (n * share) as usize)

@@ -78,7 +78,7 @@ fn built_in() -> Vec<(String, Vec<Geometry>)> {
     all
 }
 
-/// What is to be traced, and from where.
+/// Scene and camera to trace.
 struct World {
     name: String,
     geometry: Vec<Geometry>,
@@ -113,8 +113,8 @@ fn verdicts(reference: &Reference, set: &Set, answers: &[Answers]) -> Vec<Record
     judge(reference, set, answers, &AtomicBool::new(false), |_| {}).expect("nobody stops it")
 }
 
-/// Where `ray` meets the plane of the triangle that `hit` names, and how far `t` may be off: 16 ulp of the coordinates'
-/// scale over |cos| of incidence and the length of the direction.
+/// Returns `t` where `ray` hits the plane of the triangle of `hit`, and its tolerance: 16 ulp of the coordinates' scale
+/// over |cos| of incidence and the length of the direction.
 fn plane_of_hit(geometry: &[Geometry], ray: &Ray, hit: &Hit) -> Option<(f64, f64)> {
     let Shape::Mesh(mesh) = &geometry[hit.geometry as usize].shape else { return None };
     let [a, b, c] = mesh.corners(hit.primitive as usize).map(|p| p.as_dvec3() - ray.origin.as_dvec3());

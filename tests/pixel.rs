@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use support::{backends, scenes};
 use vitrum::accel::Accel;
 use vitrum::load::{self, LoadOptions};
-use vitrum::optics::{FresnelModel, RefractionModel};
+use vitrum::optics::{FresnelModel, Oliveira, RefractionModel};
 use vitrum::render::record::{Event, Met, Source, Tree};
 use vitrum::render::reference::{self, Prepared};
 use vitrum::render::{Observer, Options, RayKind, recorded, render};
@@ -56,7 +56,7 @@ fn every_pixel_is_the_sum_of_its_rays_and_the_pictures_own_to_the_bit() {
         ("absorption.toml", 2, Options::default()),
         ("goblet.toml", 1, schlick),
         ("hall.toml", 1, Options::default()),
-        ("box.toml", 2, refraction(RefractionModel::Oliveira)),
+        ("box.toml", 2, refraction(RefractionModel::Oliveira(Oliveira::GLASS))),
         ("illum.toml", 1, refraction(RefractionModel::Heckbert)),
     ] {
         let scene = small(name, samples);

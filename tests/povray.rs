@@ -100,8 +100,7 @@ fn hold_against(renderer: &str, name: &str, film: &Film, expected: &Picture, pre
     );
 }
 
-/// What white light shows of pictures that were each made with the index of one wavelength: their sum, each times its
-/// wavelength's colour.
+/// Sums pictures made with the index of one wavelength each, weighted by the colours of the wavelengths.
 fn in_white_light(name: &str) -> Picture {
     let bands = Bands::new(8, 0.5);
     let mut white: Option<Picture> = None;

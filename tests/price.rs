@@ -189,9 +189,10 @@ fn what_is_left_out_is_said() {
     study.run(&["--axes", "spheres,backend,fresnel,cutoff", "--single", "--quiet"]);
     let left_out = study.report()["left_out"].to_string();
     assert!(left_out.contains("spheres: the scene has no exact sphere"), "{left_out}");
-    for words in
-        ["fresnel polarised: --fresnel polarised is not for", "cutoff proven 1/64, cutoff proven 1/512, cutoff"]
-    {
+    for words in [
+        "fresnel polarised: --fresnel polarised does not work in scenes whose",
+        "cutoff proven 1/64, cutoff proven 1/512, cutoff",
+    ] {
         assert!(left_out.contains(words), "{words} in {left_out}");
     }
     assert!(!names(&study.report()).iter().any(|name| name.contains("proven") || name.contains("polarised")));
@@ -373,7 +374,7 @@ fn the_page_opens_in_a_browser_without_errors_shows_every_point_and_sorts() {
     );
 }
 
-/// What the page's own look at itself came to.
+/// Opens the page in Chromium and returns the result of the page's own check.
 fn opened(chromium: &Path, page: &Path) -> Value {
     let profile = tempfile::tempdir().unwrap();
     let output = std::process::Command::new(chromium)

@@ -74,8 +74,8 @@ fn the_sweep_has_the_sizes_of_its_names() {
     }
 }
 
-/// One shading layer over two paths: a pixel that differs is one that no `f32` path decides, since the `f64` picture
-/// itself moves there when the camera ray moves by a few roundings for each level of the path.
+/// Shading is shared, so a pixel that differs must be undecidable in `f32`. Its `f64` value must change when the camera
+/// ray moves by a few roundings per level of the path.
 #[test]
 fn both_back_ends_make_the_same_picture_of_every_scene() {
     use vitrum::optics::FresnelModel;

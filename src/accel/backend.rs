@@ -1,39 +1,27 @@
 //! The back ends: their names, and their availability on this machine.
 
-use std::fmt;
 use std::str::FromStr;
 
 use super::embree::{self, Mode, reach};
+use crate::choice::Choice as _;
 use crate::error::Unavailable;
 use crate::geometry::Geometry;
 
-/// A hierarchy and its kernels, which find the hits of rays in `f32`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Backend {
-    /// This crate's own 8-wide BVH.
-    Native,
-    /// Embree 4 in its robust mode.
-    Embree,
-    /// Embree 4 in its fast mode, which may miss hits at edges.
-    EmbreeFast,
+crate::choice! {
+    /// Back end: a hierarchy and its kernels, which find the hits of rays in f32.
+    pub enum Backend("backend", derive(Eq, Hash, PartialOrd, Ord)) {
+        /// Eight-wide hierarchy of this program.
+        "native" => Native,
+        /// Embree 4 in its robust mode, where built in.
+        "embree" => Embree,
+        /// Embree 4 in its fast mode, which may miss hits at edges.
+        "embree-fast" => EmbreeFast,
+    }
 }
 
 impl Backend {
-    /// All back ends, compiled in or not.
-    pub const ALL: [Self; 3] = [Self::Native, Self::Embree, Self::EmbreeFast];
-
     /// The back end of a build where none is asked for: Embree where it is compiled in.
     pub const DEFAULT: Self = if embree::COMPILED_IN { Self::Embree } else { Self::Native };
-
-    /// The name on the command line and in metadata.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Native => "native",
-            Self::Embree => "embree",
-            Self::EmbreeFast => "embree-fast",
-        }
-    }
 
     /// The name in reports that compare both modes of Embree.
     #[must_use]
@@ -41,16 +29,6 @@ impl Backend {
         match self {
             Self::Embree => "embree-robust",
             Self::Native | Self::EmbreeFast => self.name(),
-        }
-    }
-
-    /// One line for help texts.
-    #[must_use]
-    pub const fn help(self) -> &'static str {
-        match self {
-            Self::Native => "Our own eight-wide hierarchy",
-            Self::Embree => "Embree in its robust mode, where built in",
-            Self::EmbreeFast => "Embree in its fast mode, which may lose rays at edges",
         }
     }
 
@@ -106,22 +84,13 @@ impl Default for Backend {
     }
 }
 
-impl fmt::Display for Backend {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
 impl FromStr for Backend {
     type Err = String;
 
     /// The back end of that [`name`](Backend::name).
     fn from_str(text: &str) -> Result<Self, String> {
         let names = || Self::ALL.map(Self::name).join(", ");
-        Self::ALL
-            .into_iter()
-            .find(|b| b.name() == text)
-            .ok_or_else(|| format!("no back end is called `{text}`; take one of {}", names()))
+        Self::parse(text).map_err(|_| format!("no back end is called `{text}`; take one of {}", names()))
     }
 }
 

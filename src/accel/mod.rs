@@ -32,31 +32,19 @@ pub enum Coherence {
     Incoherent,
 }
 
-/// How much work a build puts into the hierarchy. What is hit is the same to the bit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum BuildQuality {
-    /// In the order of a Morton curve: the quickest build, for previews.
-    Fast,
-    /// By the surface area heuristic over bins.
-    #[default]
-    Default,
-    /// The same, and then improved by moving subtrees to where they fit better: several times as long to build, for
-    /// long renders of scenes in which large and small triangles mix.
-    High,
-}
-
-impl BuildQuality {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::High];
-
-    /// The name on the command line and in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast",
-            Self::Default => "default",
-            Self::High => "high",
-        }
+crate::choice! {
+    /// Work that goes into building the hierarchy; the picture is the same.
+    ///
+    /// Embree's qualities LOW, MEDIUM and HIGH stand for these levels if Embree builds.
+    pub enum BuildQuality("bvh", derive(Eq, Hash), default(Default)) {
+        /// Order of a Morton curve: the quickest build, for previews.
+        "fast" => Fast,
+        /// Surface area heuristic over bins.
+        "default" => Default,
+        /// The default, then improved by reinsertion: builds several times as long, for long renders.
+        ///
+        /// Gains most in scenes in which large and small triangles mix.
+        "high" => High,
     }
 }
 

@@ -19,12 +19,10 @@ use super::{BuildQuality, BuildStats, Coherence, Intersector};
 use crate::Result;
 use crate::geometry::slab::{SlabRay, upper_end};
 pub use crate::geometry::triangle_test::TriangleModel;
-use crate::geometry::triangle_test::{
-    Certified, Meeting, MollerTrumbore, PlaneArea, Pluecker, TriangleTest, Watertight,
-};
+use crate::geometry::triangle_test::{Meeting, TriangleTest, TriangleVisitor};
 use crate::geometry::{Geometry, Hit, Hit8, Octant, Ray, Ray8, sphere};
 use crate::math::Real;
-use crate::simd::{Division, F32x8, Guess, Mask8, NewtonStep, Reciprocal, ReciprocalModel, Vec3x8, set_lanes};
+use crate::simd::{F32x8, Mask8, Reciprocal, ReciprocalModel, ReciprocalVisitor, Vec3x8, set_lanes};
 
 /// The native hierarchy with a selectable triangle test and reciprocal. [`super::Unbounded`] adds infinite planes.
 #[derive(Debug)]
@@ -95,13 +93,7 @@ impl Walk {
         reciprocal: ReciprocalModel,
     ) -> Result<Self> {
         let native = Native::try_build_as(geometry, quality)?;
-        let kernels = match triangles {
-            TriangleModel::PlaneArea => Kernels::of::<PlaneArea>(reciprocal),
-            TriangleModel::MollerTrumbore => Kernels::of::<MollerTrumbore>(reciprocal),
-            TriangleModel::Pluecker => Kernels::of::<Pluecker>(reciprocal),
-            TriangleModel::Watertight => Kernels::of::<Watertight>(reciprocal),
-            TriangleModel::Certified => Kernels::of::<Certified>(reciprocal),
-        };
+        let kernels = triangles.dispatch(SelectTriangleTest(reciprocal));
         let [tested, settled] = [AtomicU64::new(0), AtomicU64::new(0)];
         Ok(Self { native, kernels, tested, settled })
     }
@@ -136,17 +128,25 @@ impl Intersector for Walk {
     }
 }
 
-impl Kernels {
-    fn of<T: TriangleTest>(reciprocal: ReciprocalModel) -> Self {
-        match reciprocal {
-            ReciprocalModel::Exact => Self::by::<T, Division>(),
-            ReciprocalModel::Newton => Self::by::<T, NewtonStep>(),
-            ReciprocalModel::Estimate => Self::by::<T, Guess>(),
-        }
-    }
+/// Selects the kernels by triangle test, then by reciprocal.
+struct SelectTriangleTest(ReciprocalModel);
 
-    fn by<T: TriangleTest, D: Reciprocal>() -> Self {
-        Self { closest: closest::<T, D>, occluded: occluded::<T, D> }
+impl TriangleVisitor for SelectTriangleTest {
+    type Output = Kernels;
+
+    fn visit<T: TriangleTest>(self, test: T) -> Kernels {
+        self.0.dispatch(SelectReciprocal(test))
+    }
+}
+
+/// Selects the kernels of a triangle test by reciprocal.
+struct SelectReciprocal<T>(T);
+
+impl<T: TriangleTest> ReciprocalVisitor for SelectReciprocal<T> {
+    type Output = Kernels;
+
+    fn visit<D: Reciprocal>(self, _reciprocal: D) -> Kernels {
+        Kernels { closest: closest::<T, D>, occluded: occluded::<T, D> }
     }
 }
 

@@ -1,7 +1,6 @@
 //! What may be typed, and the help for it. Values are checked one by one here, against each other in [`super::options`].
 
 mod bench;
-mod choices;
 mod compare;
 mod effects;
 mod explain;
@@ -12,6 +11,7 @@ mod pixel;
 mod price;
 mod render;
 mod settings;
+mod strict;
 mod verify;
 
 use std::sync::LazyLock;
@@ -19,18 +19,17 @@ use std::sync::LazyLock;
 use clap::{Args, Parser, Subcommand};
 
 use crate::simd::level;
-pub(super) use bench::{BenchArgs, RaysArg};
-pub(super) use choices::{BvhArg, FresnelArg, RefractionArg, ShadowsArg};
+pub(super) use bench::BenchArgs;
 pub(super) use compare::CompareArgs;
 pub(super) use effects::EffectArgs;
 pub(super) use explain::ExplainArgs;
-pub(super) use formulas::KindArg;
 pub(super) use parity::ParityArgs;
 pub(super) use pixel::PixelArgs;
 pub(super) use price::PriceArgs;
-pub(super) use render::{BitsArg, ReciprocalArg, ReflectionArg, RenderArgs, TrianglesArg};
+pub(super) use render::RenderArgs;
 pub(super) use settings::SettingsArgs;
-pub(super) use verify::{GroupArg, PathArg, VerifyArgs};
+pub(super) use strict::StrictArg;
+pub(super) use verify::VerifyArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
 

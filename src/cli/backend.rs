@@ -8,6 +8,7 @@ use clap::builder::PossibleValue;
 use super::{interrupt, output};
 use crate::accel::walk::{TestCounts, TriangleModel, Walk};
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, BuildStats, Intersector, Unbounded};
+use crate::choice::Choice as _;
 use crate::error::{Error, Result, Unavailable};
 use crate::render::{self, Observer, Options, Outcome, Pixels, Shortfall};
 use crate::scene::Scene;
@@ -41,7 +42,7 @@ impl ValueEnum for Renderer {
         let help = match self {
             Self::Packets(backend) => backend.help(),
             Self::Walk(..) => return None,
-            Self::Reference => "The f64 renderer: slow, obvious, the arbiter",
+            Self::Reference => String::from("Renderer in f64: slow, and the arbiter of the others"),
         };
         Some(PossibleValue::new(self.name()).help(help))
     }
@@ -161,7 +162,7 @@ pub(super) fn trace(
             if let Some(exposure) = exposure {
                 // Native follows a sample further in a fraction of the time.
                 let accel = Accel::build(Backend::Native, &scene.geometry, bvh)?;
-                look(scene, &accel, options, observer, exposure, &mut outcome)?;
+                look(scene, &Pixels::new(&accel, options, observer), options, exposure, &mut outcome)?;
             }
             let build_time = Duration::ZERO;
             Ok(Traced { outcome, build: None, build_time, render_time, library: None, lanes: None })
@@ -179,11 +180,13 @@ fn with<I: Intersector>(
     exposure: Option<f32>,
 ) -> Result<Traced> {
     let build_time = start.elapsed();
-    let mut outcome = interrupt::heeded(|| render::render(scene, accel, options, observer))?;
+    let pixels = Pixels::new(accel, options, observer);
+    let mut outcome = interrupt::heeded(|| pixels.picture(scene))?;
     let render_time = start.elapsed() - build_time;
     if let Some(exposure) = exposure {
-        look(scene, accel, options, observer, exposure, &mut outcome)?;
+        look(scene, &pixels, options, exposure, &mut outcome)?;
     }
+    drop(pixels);
     let build = Some(accel.build_stats());
     Ok(Traced { outcome, build, build_time, render_time, library: None, lanes: None })
 }
@@ -191,13 +194,11 @@ fn with<I: Intersector>(
 /// Looks for visible light that a picture lacks.
 fn look<I: Intersector>(
     scene: &Scene,
-    accel: &I,
+    pixels: &Pixels<I>,
     options: &Options,
-    observer: &Observer,
     exposure: f32,
     outcome: &mut Outcome,
 ) -> Result<()> {
-    let pixels = Pixels::new(accel, options, observer);
     let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
     outcome.shortfall = interrupt::heeded(|| Shortfall::of(scene, options, outcome, exposure, &again))?;
     Ok(())

@@ -47,7 +47,6 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     let given = Variant {
         fresnel: job.options.fresnel,
         refraction: job.options.refraction,
-        oliveira: job.options.oliveira,
         reflection: job.options.reflection,
         spheres: job.spheres,
         bvh: job.bvh,
@@ -63,7 +62,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     for line in reasons(&choice, wish) {
         say(job.quiet, &line);
     }
-    let whole = scene.clone();
+    let whole = scene.try_clone()?;
     let mut steps = Vec::new();
     let last = choice.ladder.len() - 1;
     for (i, candidate) in choice.ladder.iter().enumerate() {

@@ -11,7 +11,6 @@ use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects::{self, Effect, EffectPlan};
 use crate::image::Film;
-use crate::load::{self, LoadOptions, Loaded};
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 use crate::trial::timing::{self, Figure};
@@ -27,8 +26,7 @@ pub(super) fn run(job: &Explain) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
     backend::start_threads(&job.options)?;
-    let Loaded { mut scene, report } = load::scene(&job.scene, &LoadOptions::default())?;
-    let warnings = Warnings::survey(&job.scene, &mut scene, &report, &job.options, &observer)?;
+    let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &job.options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     let plan = EffectPlan::resolve(&scene, &job.options.effects);
     let measured = match job.rounds {
@@ -146,7 +144,7 @@ struct Row {
     effect: &'static str,
     on: bool,
     because: String,
-    left_out: &'static str,
+    left_out: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     worth: Option<Worth>,
 }

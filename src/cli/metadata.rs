@@ -2,9 +2,8 @@
 
 use super::backend::Renderer;
 use super::options::Exposure;
-use crate::optics::{FresnelModel, RefractionModel};
-use crate::render::{Options, Reflection};
-use crate::scene::{Settings, ShadowRule};
+use crate::render::Options;
+use crate::scene::Settings;
 use crate::simd::level;
 
 /// Names and values for a picture file.
@@ -23,10 +22,10 @@ pub(super) fn of(
         ("vitrum:depth", settings.max_depth.to_string()),
         ("vitrum:cutoff", options.cutoff_error.map_or(settings.cutoff.to_string(), |_| String::from("0"))),
         ("vitrum:wavelengths", settings.wavelengths.to_string()),
-        ("vitrum:fresnel", fresnel_name(options.fresnel).into()),
-        ("vitrum:refraction", refraction_name(options)),
-        ("vitrum:reflection", reflection_name(options.reflection).into()),
-        ("vitrum:shadows", shadows_name(settings.shadows).into()),
+        ("vitrum:fresnel", options.fresnel.to_string()),
+        ("vitrum:refraction", options.refraction.to_string()),
+        ("vitrum:reflection", options.reflection.to_string()),
+        ("vitrum:shadows", settings.shadows.to_string()),
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
     .into_iter()
@@ -45,47 +44,7 @@ fn walk_names(backend: Renderer) -> Option<[(&'static str, String); 2]> {
     Some([("vitrum:triangles", triangles), ("vitrum:reciprocal", reciprocal)])
 }
 
-/// The name of a Fresnel formula, as the command line has it.
-pub(super) fn fresnel_name(model: FresnelModel) -> &'static str {
-    match model {
-        FresnelModel::Exact => "exact",
-        FresnelModel::Polarised => "polarised",
-        FresnelModel::Schlick => "schlick",
-        FresnelModel::Off => "off",
-    }
-}
-
 /// The effects left out, with commas between.
 fn without_names(options: &Options) -> String {
     options.effects.without.iter().map(|e| e.name()).collect::<Vec<_>>().join(",")
-}
-
-/// The name of a refraction formula, as the command line has it, with its constant where it has one.
-pub(super) fn refraction_name(options: &Options) -> String {
-    match options.refraction {
-        RefractionModel::Stable => "stable".into(),
-        RefractionModel::Trigonometric => "trigonometric".into(),
-        RefractionModel::Heckbert => "heckbert".into(),
-        RefractionModel::Bec => "bec".into(),
-        RefractionModel::SlidesVector => "slides".into(),
-        RefractionModel::Oliveira => format!("oliveira {}", options.oliveira.c),
-        RefractionModel::StraightThrough => "straight".into(),
-    }
-}
-
-/// What becomes of reflected light, as the command line has it.
-pub(super) fn reflection_name(reflection: Reflection) -> &'static str {
-    match reflection {
-        Reflection::Traced => "traced",
-        Reflection::Environment => "environment",
-        Reflection::None => "none",
-    }
-}
-
-/// The name of a shadow rule, as the command line has it.
-pub(super) fn shadows_name(rule: ShadowRule) -> &'static str {
-    match rule {
-        ShadowRule::Opaque => "opaque",
-        ShadowRule::Straight => "straight",
-    }
 }

@@ -4,6 +4,7 @@ mod args;
 mod backend;
 mod bench;
 mod budget;
+mod choice;
 mod compare;
 mod doctor;
 mod explain;

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::backend::{Renderer, Traced};
 use super::budget::Spent;
-use super::metadata::{fresnel_name, reflection_name, refraction_name, shadows_name};
 use super::options::Render;
 use super::table::{bytes, counted, grouped, rays};
 use super::unmatched::{Leak, Unmatched};
@@ -219,10 +218,10 @@ impl<'a> Summary<'a> {
                 cutoff: if job.options.cutoff_error.is_some() { 0.0 } else { settings.cutoff },
                 cutoff_error: job.options.cutoff_error,
                 wavelengths: settings.wavelengths,
-                fresnel: fresnel_name(job.options.fresnel),
-                refraction: refraction_name(&job.options),
-                reflection: reflection_name(job.options.reflection),
-                shadows: shadows_name(settings.shadows),
+                fresnel: job.options.fresnel.name(),
+                refraction: job.options.refraction.to_string(),
+                reflection: job.options.reflection.name(),
+                shadows: settings.shadows.name(),
                 exposure: job.exposure.ev,
             },
             backend: job.backend.name(),

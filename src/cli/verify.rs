@@ -9,7 +9,6 @@ use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::Backend;
-use crate::load::{self, LoadOptions, Loaded};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;
@@ -76,9 +75,9 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
     let scene = match &job.scene {
         None => None,
         Some(path) => {
-            let Loaded { mut scene, report } = load::scene(path, &LoadOptions::default())?;
             let options = render::Options { threads: job.threads, ..render::Options::default() };
-            warnings = Warnings::survey(path, &mut scene, &report, &options, &observer)?;
+            let (scene, found) = Warnings::survey(path, job.strict, &options, &observer)?;
+            warnings = found;
             Some(scene)
         }
     };

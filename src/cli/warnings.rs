@@ -1,8 +1,10 @@
 //! Warnings of a command: those of the loader and the notices about the scene and its picture, one line each.
 
+use std::path::Path;
+
 use super::output;
 use crate::Result;
-use crate::load::LoadReport;
+use crate::load::{self, LoadOptions, LoadReport, Loaded};
 use crate::notices::{self, Notice};
 use crate::render::{Observer, Options};
 use crate::scene::Scene;
@@ -23,19 +25,17 @@ impl Warnings {
         Self { warnings: loaded.chain(notices.iter().map(ToString::to_string)).collect(), notices }
     }
 
-    /// Warnings of a command that makes no picture of the scene by itself. `scene` has the settings of its own picture.
+    /// A scene with its own settings, and its warnings, for a command that makes no picture of it by itself.
     ///
     /// # Errors
-    /// As [`notices::survey`].
-    pub fn survey(
-        file: &std::path::Path,
-        scene: &mut Scene,
-        report: &LoadReport,
-        options: &Options,
-        observer: &Observer,
-    ) -> Result<Self> {
-        let notices = super::interrupt::heeded(|| notices::survey(file, scene, report, options, observer))?;
-        Ok(Self::new(report, notices))
+    /// As [`load::scene`] and [`notices::survey`]; under `strict` the first warning.
+    pub fn survey(file: &Path, strict: bool, options: &Options, observer: &Observer) -> Result<(Scene, Self)> {
+        let Loaded { mut scene, report } = load::scene(file, &LoadOptions { strict, ..LoadOptions::default() })?;
+        let notices = super::interrupt::heeded(|| notices::survey(file, &mut scene, &report, options, observer))?;
+        if strict {
+            refuse(&notices)?;
+        }
+        Ok((scene, Self::new(&report, notices)))
     }
 
     /// As text, a line each.

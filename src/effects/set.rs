@@ -13,7 +13,7 @@ impl EffectSet {
     /// Every effect.
     #[must_use]
     pub fn all() -> Self {
-        Effect::ALL.iter().copied().collect()
+        Effect::ALL.into_iter().collect()
     }
 
     /// Returns true if the set holds an effect.
@@ -54,7 +54,7 @@ impl EffectSet {
 
     /// Iterates over the effects in the order of [`Effect::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Effect> {
-        Effect::ALL.iter().copied().filter(move |&e| self.has(e))
+        Effect::ALL.into_iter().filter(move |&e| self.has(e))
     }
 }
 
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn every_effect_goes_by_its_name() {
-        for &effect in Effect::ALL {
+        for effect in Effect::ALL {
             assert_eq!(Effect::named(effect.name()), Some(effect));
         }
         assert_eq!(Effect::named("refracton"), None);

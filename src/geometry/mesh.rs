@@ -31,6 +31,13 @@ impl TriMesh {
         Self { positions, triangles, ..Self::default() }
     }
 
+    /// Bytes of all lists.
+    pub(crate) fn bytes(&self) -> usize {
+        let corners = size_of_val(self.positions.as_slice()) + size_of_val(self.triangles.as_slice());
+        let normals = size_of_val(self.normals.as_slice()) + size_of_val(self.normal_indices.as_slice());
+        corners + normals + size_of_val(self.uvs.as_slice()) + size_of_val(self.uv_indices.as_slice())
+    }
+
     /// The corners of triangle `i`.
     #[inline(always)]
     #[must_use]

@@ -54,14 +54,14 @@ impl Format {
     }
 }
 
-/// Bits per sample of a PNG.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Bits {
-    /// 8 bits per sample.
-    #[default]
-    Eight,
-    /// 16 bits per sample.
-    Sixteen,
+crate::choice! {
+    /// Bits of a PNG's samples.
+    pub enum Bits("bits", derive(Eq, Hash), default(Eight)) {
+        /// 8 bits a sample.
+        "8" => Eight,
+        /// 16 bits a sample.
+        "16" => Sixteen,
+    }
 }
 
 /// Options for writing a film.

@@ -5,25 +5,24 @@ use super::polarised::Amplitudes;
 use super::{Boundary, Crossing};
 use crate::math::{Real, Vector3};
 
-/// The choice between the formulas, where it is still data.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum FresnelModel {
-    /// The Fresnel equations for unpolarised light.
-    #[default]
-    Exact,
-    /// The Fresnel equations for each polarisation, carried along the path of a ray ([`super::Mueller`]).
-    Polarised,
-    /// Schlick's approximation (1994).
-    Schlick,
-    /// No angle dependence: the reflectance at normal incidence for every angle.
-    Off,
+crate::choice! {
+    /// Formula for the share of light that a surface reflects.
+    pub enum FresnelModel("fresnel", derive(Eq, Hash), default(Exact), visitor(FresnelVisitor, FresnelFormula)) {
+        /// Reflectance at normal incidence, used at every angle.
+        "off" => Off by AtNormal,
+        /// Schlick's approximation of 1994.
+        "schlick" => Schlick by Schlick,
+        /// Fresnel equations for unpolarised light.
+        "exact" => Exact by Exact,
+        /// Fresnel equations with the polarisation carried along every path.
+        ///
+        /// Unpolarised light is divided as by [`Exact`]; [`super::Mueller`] has the rest.
+        "polarised" => Polarised by Exact,
+    }
 }
 
-/// The choice between the formulas as a type, so that a shading stage holds one of them and no branch.
+/// Fresnel formula as a type, so that a shading stage is compiled for it and holds no branch.
 pub trait FresnelFormula: Copy + Send + Sync + 'static {
-    /// The data form of this choice.
-    const MODEL: FresnelModel;
-
     /// Unpolarised reflectance of a dielectric boundary, 0..=1; 1 where the crossing is total.
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R;
 
@@ -54,8 +53,6 @@ pub struct Schlick;
 pub struct AtNormal;
 
 impl FresnelFormula for Exact {
-    const MODEL: FresnelModel = FresnelModel::Exact;
-
     /// `R = r_s^2 (1 + q^2) / 2` with `r_s = kc / (cos_i + b)^2` and `q = r_p / r_s = (c b - s^2) / (c b + s^2)`:
     /// the same numbers as `((n1 c_i - n2 c_t) / (n1 c_i + n2 c_t))^2` and its twin, halved, without their
     /// cancellation at index ratios near 1. Within 1.2e-6 of itself at every angle and index ratio where products are
@@ -77,8 +74,6 @@ impl FresnelFormula for Exact {
 }
 
 impl FresnelFormula for Schlick {
-    const MODEL: FresnelModel = FresnelModel::Schlick;
-
     /// `R0 + (1 - R0) (1 - c)^5`, with `c` the cosine on the thinner side: `cos_t` when leaving the denser medium
     /// (taking `cos_i` there is off by up to 0.97).
     ///
@@ -100,8 +95,6 @@ impl FresnelFormula for Schlick {
 }
 
 impl FresnelFormula for AtNormal {
-    const MODEL: FresnelModel = FresnelModel::Off;
-
     #[inline(always)]
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R {
         R::select(at.total, R::one(), boundary.r0)

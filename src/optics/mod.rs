@@ -24,7 +24,7 @@ pub use absorb::{absorption_from_colour, transmittance};
 pub use boundary::{Boundary, Crossing};
 pub use conductor::{conductor_at_normal, conductor_exact, conductor_schlick};
 pub use disperse::{LINE_C, LINE_D, LINE_F, abbe_number, cauchy_from_abbe};
-pub use fresnel::{AtNormal, Exact, FresnelFormula, FresnelModel, Schlick, thin_reflectance};
+pub use fresnel::{AtNormal, Exact, FresnelFormula, FresnelModel, FresnelVisitor, Schlick, thin_reflectance};
 pub use mueller::{Diattenuation, Mueller, PlaneOfIncidence, any_across, made_across};
 pub use normal::{below_surface, consistent_normal};
 pub use observer::{colour_matching, daylight, linear_srgb, white_at};
@@ -32,7 +32,7 @@ pub use planar::PlanarReflection;
 pub use polarised::{Polarised, polarised, polarised_as_printed};
 pub use reflect::reflect;
 pub use refraction::{
-    Bec, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable, StraightThrough,
-    Trigonometric,
+    Bec, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, SlidesVector, Stable,
+    StraightThrough, Trigonometric,
 };
 pub use spectrum::{Bands, FEWEST_BANDS, SEPARATION, Spectrum, VISIBLE};

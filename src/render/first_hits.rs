@@ -9,18 +9,18 @@ use crate::geometry::{Hit, Hit8, Ray, Ray8, Shape, Spot};
 use crate::scene::Scene;
 use crate::system::memory;
 
-/// First surface that a camera ray meets.
+/// First surface that a camera ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
-    /// Index in [`Scene::objects`]; `None` where the ray meets nothing.
+    /// Index in [`Scene::objects`]; `None` if the ray hits nothing.
     pub object: Option<u32>,
     /// Triangle within the mesh; 0 on other shapes.
     pub primitive: u32,
-    /// Distance along the ray, in scene units; infinite where it meets nothing.
+    /// Distance along the ray, in scene units; infinite if it hits nothing.
     pub depth: f32,
-    /// Place on the surface, in scene units; zero where the ray meets nothing.
+    /// Position on the surface, in scene units; zero if the ray hits nothing.
     pub point: Vec3,
-    /// Unit normal of the shape, on its outer side; zero where the ray meets nothing.
+    /// Unit normal of the shape, on its outer side; zero if the ray hits nothing.
     pub normal: Vec3,
     /// Unit normal for shading, on the outer side: interpolated where the mesh has normals, else `normal`.
     pub shading_normal: Vec3,
@@ -35,7 +35,7 @@ impl Default for FirstHit {
 }
 
 impl FirstHit {
-    /// Nothing met.
+    /// Result of a ray that hits nothing.
     pub const MISS: Self = Self {
         object: None,
         primitive: 0,
@@ -46,7 +46,7 @@ impl FirstHit {
         uv: Vec2::ZERO,
     };
 
-    /// The surface of `scene` that `ray` met at `hit`.
+    /// Returns the surface of `scene` that `ray` hits at `hit`.
     #[must_use]
     pub fn new(scene: &Scene, ray: &Ray, hit: &Hit) -> Self {
         if !hit.is_hit() {
@@ -75,13 +75,13 @@ impl FirstHit {
     }
 }
 
-/// Traces one ray through the centre of each pixel of `scene.settings` and returns the surfaces met, row by row from the
+/// Traces one ray through the centre of each pixel of `scene.settings` and returns the surfaces hit, row by row from the
 /// upper left.
 ///
 /// `accel` was built from `scene.geometry`. Works on the calling thread.
 ///
 /// # Errors
-/// [`Error::Limit`](crate::Error::Limit) where there is no memory for the list.
+/// [`Error::Limit`](crate::Error::Limit) if the list does not fit in memory.
 pub fn first_hits<I: Intersector>(scene: &Scene, accel: &I) -> Result<Vec<FirstHit>> {
     let (width, height) = (scene.settings.width, scene.settings.height);
     let lens = Lens::new(&scene.camera, width, height);

@@ -3,30 +3,30 @@
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use crate::effects;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{FresnelModel, RefractionModel};
 
-/// Treatment of the light that surfaces reflect. Mirrors that show the environment are not affected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Reflection {
-    /// Traces a ray.
-    #[default]
-    Traced,
-    /// Looks up the environment in the mirror direction, at any depth and ignoring occluders.
-    Environment,
-    /// Leaves the light out and counts its weight as truncated.
-    None,
+crate::choice! {
+    /// Source of reflected light.
+    ///
+    /// Mirrors whose own source is the environment are not affected.
+    pub enum Reflection("reflection", derive(Eq, Hash), default(Traced)) {
+        /// None: reflected light is left out and counted as truncated weight.
+        "none" => None,
+        /// Environment in the mirror direction, at any depth and through all objects.
+        "environment" => Environment,
+        /// Reflected rays.
+        "traced" => Traced,
+    }
 }
 
 /// Options of one render. Threads and tiles do not change the picture.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Formula for the reflectance of dielectrics.
+    /// Formula for the share of light that a surface reflects.
     pub fresnel: FresnelModel,
-    /// Formula for the direction of refracted rays.
+    /// Formula for the direction of refracted light.
     pub refraction: RefractionModel,
-    /// Constant of [`RefractionModel::Oliveira`]; unused by other formulas.
-    pub oliveira: Oliveira,
-    /// Treatment of reflected light.
+    /// Source of reflected light.
     pub reflection: Reflection,
     /// Effects left out, and the choice of stages.
     pub effects: effects::Options,
@@ -44,7 +44,6 @@ impl Default for Options {
         Self {
             fresnel: FresnelModel::Exact,
             refraction: RefractionModel::Stable,
-            oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
             effects: effects::Options::default(),
             cutoff_error: None,

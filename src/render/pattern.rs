@@ -4,8 +4,8 @@
 //! They do not depend on how rays are grouped, and both renderers use the same ones. Shaded points that agree in all
 //! four share their samples; this only loses a little of the averaging between them.
 //!
-//! The points are Sobol's first two dimensions with Owen scrambling (Owen 1995), computed with the hash of Laine &
-//! Karras 2011 and the constants of Vegdahl 2021, as in Burley 2020 ("Practical hash-based Owen scrambling", JCGT
+//! The points are Sobol's first two dimensions with Owen scrambling (Owen 1995). The scrambling uses the hash of Laine
+//! & Karras 2011 with the constants of Vegdahl 2021, as in Burley 2020 ("Practical hash-based Owen scrambling", JCGT
 //! 9(4)). Any aligned power of two of the points is a (0, m, 2)-net in base 2: every elementary box of that share of
 //! the square's area holds exactly one. Sample counts that are powers of two make best use of that.
 

@@ -1,49 +1,51 @@
-//! The layers of a place where surfaces touch, in the order in which a ray meets them.
+//! Layers of surfaces that touch at one point, in the order in which a ray crosses them.
 //!
-//! Both renderers use this, so that they mean the same by contact. `src/README.md`, "Touching surfaces", states the rules.
+//! Both renderers use this, so that contact means the same in both. `src/README.md`, "Touching surfaces", states the
+//! rules.
 
 use glam::DVec3;
 
 use crate::geometry::contact::{Contacts, Face};
 use crate::scene::{Interface, Scene};
 
-/// A surface of a place, or several that are crossed as one.
+/// Surface at a contact, or several that are crossed as one.
 #[derive(Clone, Debug)]
 pub enum Layer {
-    /// A cover with holes, a thin pane or an opaque surface.
+    /// Cover with holes, thin pane or opaque surface.
     Alone(Face),
-    /// Boundaries of media, crossed at once.
+    /// Boundaries of media, crossed together.
     Media(Vec<Face>),
 }
 
-/// A ray's way through the layers of a place, between two of them.
+/// Position of a ray between two layers.
 #[derive(Clone, Copy, Debug)]
 pub struct Through {
-    /// The face by which the place was found: object and triangle.
+    /// Face by which the contact was found: object and triangle.
     pub face: (u32, u32),
-    /// The place, in scene units.
+    /// Point of the contact, in scene units.
     pub point: DVec3,
-    /// True if the place was reached on the outside of that face.
+    /// True if the contact was reached on the outside of that face.
     pub from_front: bool,
-    /// Number of layers passed, counted from the side on which the place was reached.
+    /// Number of layers passed, counted from the side of arrival.
     pub passed: u8,
-    /// True if the ray goes back to the side on which the place was reached.
+    /// True if the ray returns to the side of arrival.
     pub back: bool,
 }
 
-/// A place where surfaces touch, as one ray arrives there.
+/// Point where surfaces touch, as one ray arrives there.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct ContactPoint {
     layers: Vec<Layer>,
-    /// Layers of the nearer of two surfaces that touch at a point; all of them where faces coincide.
+    /// Number of layers of the nearer of two surfaces that touch at a point; all of them where faces coincide.
     nearer: usize,
-    /// All faces of the nearer and of the farther surface, those included that no layer needs.
+    /// All faces of the nearer and of the farther surface, including those that no layer needs.
     faces: [Vec<Face>; 2],
     way: Through,
 }
 
-impl Place {
-    /// The place at which a traced ray met a face; none where nothing else lies there. `point` is on the face.
+impl ContactPoint {
+    /// Returns the contact at which a traced ray hit a face, or `None` if nothing else lies there. `point` is on the
+    /// face.
     #[must_use]
     pub fn met(
         scene: &Scene,
@@ -67,7 +69,7 @@ impl Place {
         Some(place)
     }
 
-    /// The place that a ray is on its way through.
+    /// Returns the contact that a ray is passing through.
     #[must_use]
     pub fn resumed(scene: &Scene, contacts: &Contacts, way: Through) -> Option<Self> {
         Self::at(scene, contacts, way).filter(|place| place.index().is_some())
@@ -77,7 +79,7 @@ impl Place {
         let Through { face: (object, primitive), point, from_front, .. } = way;
         let own = Face::of(&scene.geometry, object, primitive);
         let outward = own.outward(point);
-        // Points to the side on which the place was reached.
+        // Points to the side of arrival.
         let towards_ray = if from_front { outward } else { -outward };
         let gather = |face: &Face| {
             let mut faces = Vec::new();
@@ -102,8 +104,8 @@ impl Place {
         Some(Self { nearer: layers.len(), layers, faces: [faces, Vec::new()], way })
     }
 
-    /// The layers in front of a ray that came from `origin`: none, unless it started between two surfaces that touch at a
-    /// point.
+    /// Returns the number of layers in front of a ray that came from `origin`: 0, unless it started between two
+    /// surfaces that touch at a point.
     fn already_passed(&self, contacts: &Contacts, origin: DVec3) -> usize {
         let (object, primitive) = self.way.face;
         let Some((tangent, sphere, other)) = contacts.tangent_at(object, primitive, self.way.point) else { return 0 };
@@ -111,7 +113,7 @@ impl Place {
         if met_nearer {
             return 0;
         }
-        // The farther one was met first. Either rounding swapped the two, or the ray started in the gap.
+        // The farther surface was hit first: either rounding exchanged the two, or the ray started in the gap.
         let nearer_is_sphere = self.layers[0].faces().iter().any(|f| f.object == sphere.object);
         let beyond_nearer = if nearer_is_sphere {
             sphere.height(origin) < -sphere.reach(origin)
@@ -122,20 +124,20 @@ impl Place {
         if beyond_nearer { 0 } else { self.nearer }
     }
 
-    /// The layer that the ray meets now.
+    /// Returns the index of the current layer.
     fn index(&self) -> Option<usize> {
         let passed = usize::from(self.way.passed);
         let index = if self.way.back { passed.checked_sub(1)? } else { passed };
         (index < self.layers.len()).then_some(index)
     }
 
-    /// The layer that the ray meets now.
+    /// Returns the current layer.
     #[must_use]
     pub fn layer(&self) -> &Layer {
         &self.layers[self.index().unwrap_or(0)]
     }
 
-    /// The way of a ray that goes on behind the present layer; none where it leaves the place.
+    /// Returns the position of a ray that continues behind the current layer, or `None` if it leaves the contact.
     #[must_use]
     pub fn onward(&self) -> Option<Through> {
         let index = self.index()?;
@@ -143,7 +145,8 @@ impl Place {
         self.continued(way)
     }
 
-    /// The way of a ray that leaves the present layer on the side it arrived on; none where it leaves the place.
+    /// Returns the position of a ray that leaves the current layer on its side of arrival, or `None` if it leaves the
+    /// contact.
     #[must_use]
     pub fn returning(&self) -> Option<Through> {
         let index = self.index()?;
@@ -156,8 +159,8 @@ impl Place {
         more.then_some(way)
     }
 
-    /// Distance between the faces of the place that lie together with the present layer and one of them, and the
-    /// largest distance that an `f32` ray must start off any of them, in scene units.
+    /// Returns two distances in scene units: between `governing` and the faces that lie together with the current
+    /// layer, and the largest offset of an `f32` ray origin from any of them.
     #[must_use]
     pub fn spread(&self, governing: &Face) -> (f64, f64) {
         let index = self.index().unwrap_or(0);
@@ -169,8 +172,8 @@ impl Place {
         })
     }
 
-    /// The objects that lie at the place, each with whether a ray into `dir` arrives on its outside, and twice the largest
-    /// distance between two of them, in scene units.
+    /// Returns the objects at the contact, each with true if a ray in `dir` arrives on its outside. Also returns twice
+    /// the largest distance between two of them, in scene units.
     #[must_use]
     pub fn sides(&self, dir: DVec3) -> (Vec<(u32, bool)>, f64) {
         let point = self.way.point;
@@ -180,14 +183,14 @@ impl Place {
         (sides, 2.0 * apart)
     }
 
-    /// Returns true if a ray into `dir` arrives on the outside of a face of the place.
+    /// Returns true if a ray in `dir` arrives on the outside of a face.
     #[must_use]
     pub fn is_outside(&self, face: &Face, dir: DVec3) -> bool {
         face.outward(self.way.point).dot(dir) < 0.0
     }
 
-    /// The bodies that a ray into `dir` crosses at once with the faces of a layer of media, in order, each with true if it
-    /// is entered. `body_of` gives the body of an object.
+    /// Returns the bodies that a ray in `dir` crosses together with the faces of a layer of media, in order, each with
+    /// true if it is entered. `body_of` gives the body of an object.
     #[must_use]
     pub fn crossed(&self, faces: &[Face], dir: DVec3, body_of: impl Fn(u32) -> Option<u32>) -> Vec<(u32, bool)> {
         let mut crossed: Vec<(u32, bool)> =
@@ -196,7 +199,7 @@ impl Place {
         crossed
     }
 
-    /// The point of the place, in scene units.
+    /// Returns the point of the contact, in scene units.
     #[must_use]
     pub fn point(&self) -> DVec3 {
         self.way.point
@@ -204,7 +207,7 @@ impl Place {
 }
 
 impl Layer {
-    /// The faces of the layer.
+    /// Returns the faces of the layer.
     #[must_use]
     pub fn faces(&self) -> &[Face] {
         match self {
@@ -214,9 +217,9 @@ impl Layer {
     }
 }
 
-/// The face of a layer of media whose normal, tint and reflectance count, for a ray between media `from` and `to`: one that
-/// bounds the medium behind, else one that bounds the medium before. `arrives_outside` says on which side of a face the
-/// ray arrives.
+/// Returns the face whose normal, tint and reflectance apply to a layer of media, for a ray from the medium `from` to
+/// `to`. It is one that bounds the medium behind, else one that bounds the medium before. `arrives_outside` tells on
+/// which side of a face the ray arrives.
 #[must_use]
 pub fn governing<'a>(
     scene: &Scene,
@@ -230,11 +233,11 @@ pub fn governing<'a>(
     behind.or_else(before).unwrap_or(&faces[0])
 }
 
-/// The faces of a place as layers: covers, panes, then media or, where there is one, an opaque surface. It ends the ray in
-/// the medium in which the ray arrives, so that no boundary of that place is crossed before it.
+/// Sorts the faces of a contact into layers: covers, panes, then media or an opaque surface. An opaque surface ends the
+/// ray in the medium of arrival, so no boundary of the contact is crossed before it.
 fn order(scene: &Scene, faces: &[Face], towards_ray: DVec3, point: DVec3) -> Vec<Layer> {
     let interface = |face: &Face| &scene.materials[scene.objects[face.object as usize].material as usize].interface;
-    // What faces the ray comes first, then what is listed later.
+    // Faces towards the ray come first, then those listed later.
     let rank = |face: &Face| {
         let faces_ray = face.outward(point).dot(towards_ray) > 0.0;
         (!faces_ray, std::cmp::Reverse(face.object), face.primitive)

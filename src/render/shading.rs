@@ -22,7 +22,7 @@ use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Contacts;
 use crate::math::Real;
-use crate::optics::{Oliveira, Spectrum, transmittance};
+use crate::optics::{RefractionModel, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
@@ -55,8 +55,8 @@ pub struct Shading<'a> {
     /// Arrivals of the chunk's rays and of their shadow rays where surfaces touch.
     pub arrivals: Arrivals,
     pub shadow_arrivals: Arrivals,
-    /// Constant of Oliveira's refraction formula.
-    pub oliveira: Oliveira,
+    /// Formula for the direction of refracted light, with its constant.
+    pub refraction: RefractionModel,
     /// Stage for reflected light.
     pub reflect: ReflectStage,
     /// Classes of geometry that block a shadow ray.
@@ -113,7 +113,7 @@ impl<'a> Shading<'a> {
             touching: Touching::new(contacts),
             arrivals: Arrivals::default(),
             shadow_arrivals: Arrivals::default(),
-            oliveira: options.oliveira,
+            refraction: stages.refraction,
             reflect: mirrored::pick(options.reflection, scene),
             shadow_admits: stages.shadow_admits,
             carries: stages.carries,

@@ -1,9 +1,9 @@
 //! Light that a picture lacks because rays ended at a limit.
 //!
 //! The truncated weight of a pixel, times the [`Ceiling`] of the scene, bounds the light it may lack. The bound is far too
-//! high where the ended rays would have seen no lamp. So where more than a few pixels may lack light by it, a sample of
-//! these pixels is rendered again under wider limits, until what still ends there is invisible by the bound. What the sample
-//! gains is what it lacked.
+//! high if the ended rays would have seen no lamp. So if more than a few pixels exceed it, a sample of them is rendered
+//! again under wider limits, until the weight that still ends is invisible by the bound. The sample lacked the light that
+//! it gains.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,6 +24,9 @@ const MOST: f64 = 0.5;
 
 /// Pixels that are rendered again, at most.
 const SAMPLE: usize = 512;
+
+/// Pixels of the sample that are rendered again in any case, where the others take too many rays.
+const FEWEST: usize = 32;
 
 /// Pixels of the sample that are rendered at a time.
 const PART: usize = 16;
@@ -49,7 +52,7 @@ const FEW_RAYS: u64 = 1 << 23;
 /// Rays that they may take at most.
 const MOST_RAYS: u64 = 1 << 25;
 
-/// Visible light that is missing.
+/// Visible light that a picture lacks.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Shortfall {
     /// Pixels that lack visible light, as the sample has it.
@@ -62,9 +65,9 @@ pub struct Shortfall {
     pub lacks: f64,
     /// The limit that ended most of the light that is missing.
     pub limit: Limit,
-    /// Limits that mend it, where some within reach do.
+    /// Limits that cure it, if any within reach do.
     pub cure: Option<Cure>,
-    /// Else the widest limits that were tried.
+    /// Otherwise the widest limits that were tried.
     pub tried: Option<Cure>,
 }
 
@@ -79,12 +82,12 @@ pub struct Cure {
     pub cost: f64,
 }
 
-/// Pixels rendered again.
+/// Pixels rendered again, with their cost.
 #[derive(Clone, Debug, Default)]
 pub struct Again {
     /// The pixels, in the order they were asked for.
     pub pixels: Vec<PixelMean>,
-    /// Rays that they took.
+    /// Number of rays traced.
     pub rays: u64,
 }
 
@@ -130,10 +133,10 @@ impl Shortfall {
     }
 }
 
-/// Turns weight into visible light.
+/// Conversion of weight to visible light.
 #[derive(Clone, Copy)]
 struct Light {
-    /// The most that a ray of weight 1 brings.
+    /// Upper bound on the radiance of a ray of weight 1.
     ceiling: DVec3,
     exposure: f64,
 }
@@ -151,7 +154,7 @@ impl Light {
     }
 }
 
-/// The search for what a picture lacks, and for limits that mend it.
+/// Search for missing light, and for limits that cure it.
 struct Search<'a> {
     /// A copy whose settings change.
     scene: Scene,
@@ -173,24 +176,38 @@ type Steps = [u32; 2];
 
 impl Search<'_> {
     fn run(&mut self) -> Result<Option<Shortfall>> {
-        // Evenly by rank, and the worst one.
+        // Evenly by rank, so that the first of them are spread evenly, too; and the worst one.
         let ranks = self.candidates.len();
-        let count = ranks.min(SAMPLE);
-        let rank = |k: usize| (2 * k + 1) * ranks / (2 * count);
-        let sample: Vec<usize> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].1).collect();
-        let bounds: Vec<f64> = (0..count).map(rank).chain([0]).map(|rank| self.candidates[rank].0).collect();
+        let mut count = ranks.min(SAMPLE);
+        let stride = even_stride(count);
+        let rank = |k: usize| (2 * (k * stride % count) + 1) * ranks / (2 * count);
+        let places: Vec<usize> = (0..count).map(rank).chain([0]).collect();
+        let mut sample: Vec<usize> = places.iter().map(|&rank| self.candidates[rank].1).collect();
+        let mut lacks: Vec<f64> = places.iter().map(|&rank| self.candidates[rank].0).collect();
 
         // The truth, as far as it can be had.
         let mut truth: Option<(Steps, Vec<PixelMean>)> = None;
-        let mut lacks = bounds;
         // Rendered again as well, since the picture may be another renderer's.
-        let narrow = self.render(self.own.clone(), &sample)?;
+        let mut narrow = self.render_some(self.own.clone(), &sample, self.left / 4)?;
+        let mut seen = self.render_some(self.settings([1; 2]), &sample[..narrow.len()], self.left / 2)?;
+        if seen.len() < sample.len() && seen.len() >= FEWEST {
+            // Part of the sample tells more than the bound.
+            count = seen.len();
+            sample.truncate(count);
+        }
+        let affordable = seen.len() == sample.len();
+        narrow.truncate(sample.len());
         for step in 1..=STEPS {
-            let Some(narrow) = &narrow else { break };
-            let Some(seen) = self.render(self.settings([step; 2]), &sample)? else { break };
+            if !affordable {
+                break;
+            }
+            if step > 1 {
+                let Some(wider) = self.render(self.settings([step; 2]), &sample)? else { break };
+                seen = wider;
+            }
             lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow, wide)).collect();
             let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
-            truth = Some(([step; 2], seen));
+            truth = Some(([step; 2], seen.clone()));
             if self.short(&unknown, count) == 0 {
                 break;
             }
@@ -206,9 +223,9 @@ impl Search<'_> {
                 by_limit[limit as usize][0] += lacks;
             }
         }
-        let cure = match (&truth, &narrow) {
-            (Some((widest, seen)), Some(narrow)) => self.mend(*widest, [narrow, seen], &sample, count)?,
-            _ => None,
+        let cure = match &truth {
+            Some((widest, seen)) => self.mend(*widest, [&narrow, seen], &sample, count)?,
+            None => None,
         };
         if cure == Some([0; 2]) {
             // What wider limits add is invisible.
@@ -260,21 +277,22 @@ impl Search<'_> {
         Ok(Some(best))
     }
 
-    /// The light that a pixel lacks: what it gains under wider limits, and what it may still lack there.
+    /// Returns the light that a pixel lacks: its gain under wider limits, plus the light it may still lack there.
     fn lacks(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         self.gained(narrow, wide) + self.rest(narrow, wide)
     }
 
-    /// The light that a pixel gains under wider limits.
+    /// Returns the light that a pixel gains under wider limits.
     fn gained(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         let gained = widened(wide.radiance) - widened(narrow.radiance);
         self.light.seen(gained, widened(wide.radiance))
     }
 
-    /// The light that a pixel may still lack under wider limits: that of the weight which still ends there, if it sees as much
-    /// light as the weight that these limits have freed, and no more than that weight saw in all; at most the bound. Weight of
-    /// which they free nothing is caught by total reflection for good, and sees none. But where most of the pixel's weight
-    /// ends, too little of it has been seen to say so, and the bound counts.
+    /// Returns the light that a pixel may still lack under wider limits.
+    ///
+    /// The weight that still ends there is taken to see as much light as the weight that these limits freed, at most the
+    /// bound. If they freed no weight, it is trapped by total reflection and sees none. If most of the pixel's weight ends,
+    /// too little has been observed for this estimate, and the bound is returned.
     fn rest(&self, narrow: &PixelMean, wide: &PixelMean) -> f64 {
         let weight = |p: &PixelMean| widened(p.truncated).abs().element_sum() / 3.0;
         let (ended, freed) = (weight(wide), weight(narrow) - weight(wide));
@@ -313,19 +331,27 @@ impl Search<'_> {
 
     /// Some pixels under other settings; none where that takes more rays than are left.
     fn render(&mut self, settings: Settings, which: &[usize]) -> Result<Option<Vec<PixelMean>>> {
+        let pixels = self.render_some(settings, which, self.left)?;
+        Ok((pixels.len() == which.len()).then_some(pixels))
+    }
+
+    /// The first of some pixels under other settings: those that take no more than `most` rays, to the nearest part.
+    fn render_some(&mut self, settings: Settings, which: &[usize], most: u64) -> Result<Vec<PixelMean>> {
         let width = self.outcome.film.width as usize;
         let places: Vec<[u32; 2]> = which.iter().map(|i| [(i % width) as u32, (i / width) as u32]).collect();
         let mut pixels = Vec::with_capacity(places.len());
         self.scene.settings = settings;
+        let mut spent = 0;
         for part in places.chunks(PART) {
             let seen = (self.again)(&self.scene, part)?;
             pixels.extend(seen.pixels);
-            self.left = self.left.saturating_sub(seen.rays);
-            if self.left == 0 && pixels.len() < places.len() {
-                return Ok(None);
+            spent += seen.rays;
+            if spent >= most {
+                break;
             }
         }
-        Ok(Some(pixels))
+        self.left = self.left.saturating_sub(spent);
+        Ok(pixels)
     }
 
     /// The limits of some steps with their cost.
@@ -357,6 +383,13 @@ fn widened(rgb: [f32; 3]) -> DVec3 {
     DVec3::from_array(rgb.map(f64::from))
 }
 
+/// A step through a list of `count` places that visits each once and keeps the visited ones evenly spread.
+fn even_stride(count: usize) -> usize {
+    let divides_both = |a: usize, b: usize| (2..=a.min(b)).any(|d| a.is_multiple_of(d) && b.is_multiple_of(d));
+    let golden = ((count as f64 * 0.618_033_988_749_894_9) as usize).max(1);
+    (golden..).find(|&stride| !divides_both(stride, count)).unwrap_or(1)
+}
+
 /// A number above 0, cut to two decimal digits.
 fn two_digits(x: f32) -> f32 {
     let unit = 10_f64.powi(f64::from(x).log10().floor() as i32 - 1);
@@ -366,6 +399,18 @@ fn two_digits(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_stride_visits_every_place_once_and_evenly() {
+        for count in (1..40).chain([512]) {
+            let stride = even_stride(count);
+            let mut places: Vec<usize> = (0..count).map(|k| k * stride % count).collect();
+            let lower = places[..count / 2].iter().filter(|&&place| 2 * place < count).count();
+            assert!(lower.abs_diff(count / 4) <= 3, "{lower} of the first half of {count} by {stride}");
+            places.sort_unstable();
+            assert!(places.into_iter().eq(0..count), "{count}");
+        }
+    }
 
     #[test]
     fn numbers_are_cut_to_two_digits() {

@@ -3,10 +3,10 @@
 use super::media::StackId;
 use super::queue::{Chunk, Rgb8};
 use super::shading::Shading;
-use super::split::{Optics, Polarised, Unpolarised, gather_boundaries};
+use super::split::{Optics, OpticsVisitor, dispatch, gather_boundaries};
 use super::surface::{HitRef, Surface8};
 use crate::geometry::Hit8;
-use crate::optics::{AtNormal, Boundary, Exact, FresnelModel, Schlick};
+use crate::optics::{Boundary, FresnelModel};
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
@@ -20,20 +20,21 @@ pub type FinishStage = fn(&Shading, &mut Chunk, usize, u8);
 /// absorbs.
 #[must_use]
 pub fn pick(model: FresnelModel, absorbing: bool, touching: bool) -> PassStage {
-    match (model, absorbing) {
-        (FresnelModel::Exact, _) if touching => pass::<Unpolarised<Exact>, true, true>,
-        (FresnelModel::Polarised, _) if touching => pass::<Polarised, true, true>,
-        (FresnelModel::Schlick, _) if touching => pass::<Unpolarised<Schlick>, true, true>,
-        (FresnelModel::Off, _) if touching => pass::<Unpolarised<AtNormal>, true, true>,
-        (FresnelModel::Exact, false) => pass::<Unpolarised<Exact>, false, false>,
-        (FresnelModel::Exact, true) => pass::<Unpolarised<Exact>, true, false>,
-        (FresnelModel::Polarised, false) => pass::<Polarised, false, false>,
-        (FresnelModel::Polarised, true) => pass::<Polarised, true, false>,
-        (FresnelModel::Schlick, false) => pass::<Unpolarised<Schlick>, false, false>,
-        (FresnelModel::Schlick, true) => pass::<Unpolarised<Schlick>, true, false>,
-        (FresnelModel::Off, false) => pass::<Unpolarised<AtNormal>, false, false>,
-        (FresnelModel::Off, true) => pass::<Unpolarised<AtNormal>, true, false>,
+    struct Pick {
+        absorbing: bool,
+        touching: bool,
     }
+    impl OpticsVisitor for Pick {
+        type Output = PassStage;
+        fn visit<O: Optics>(self) -> PassStage {
+            match (self.absorbing, self.touching) {
+                (_, true) => pass::<O, true, true>,
+                (true, false) => pass::<O, true, false>,
+                (false, false) => pass::<O, false, false>,
+            }
+        }
+    }
+    dispatch(model, Pick { absorbing, touching })
 }
 
 /// Applies absorption on the last segment, where media absorb.

@@ -1,9 +1,9 @@
-//! Touching surfaces in eight lanes: hits at a place where surfaces touch are taken to the layer that counts, and rays
-//! that are on their way through such a place go on there without being traced.
+//! Touching surfaces in eight lanes. Hits at a contact are moved to the layer that counts, and rays between two layers
+//! continue there without being traced.
 
 use glam::DVec3;
 
-use super::place::{Layer, Place, Through, governing};
+use super::place::{ContactPoint, Layer, Through, governing};
 use super::queue::Chunk;
 use super::shading::Shading;
 use super::surface::{HitRef, Surface8};
@@ -12,59 +12,59 @@ use crate::geometry::{Hit, Hit8};
 use crate::math::next_up;
 use crate::simd::set_lanes;
 
-/// Set in a ray's count of surfaces passed where the rest is the number of a [`Waiting`].
+/// Flag in a ray's count of passed surfaces; the other bits are then the index of a [`Waiting`].
 const RESUMES: u32 = 1 << 31;
 
-/// A ray between two layers of a place.
+/// Ray between two layers of a contact.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     way: Through,
-    /// Surfaces in a row that were not there.
+    /// Number of consecutive surfaces passed.
     passes: u32,
 }
 
-/// The touching surfaces of a render, and the rays that are on their way through them.
+/// Touching surfaces of a render, and the rays between their layers.
 #[derive(Debug)]
 pub struct Touching<'a> {
     contacts: &'a Contacts,
     waiting: Vec<Waiting>,
 }
 
-/// Arrivals of the rays of a chunk at places where surfaces touch.
+/// Arrivals of a chunk's rays at contacts.
 #[derive(Debug, Default)]
 pub struct Arrivals {
-    /// Lanes that are not traced, with the numbers of their waiting rays.
+    /// Lanes that are not traced, with the indices of their waiting rays.
     held: Vec<(HitRef, u32)>,
-    /// By rising lanes of the chunk.
+    /// Arrivals, by rising lanes of the chunk.
     met: Vec<(HitRef, Arrived)>,
-    /// By place of a surface in the stream at hand and lane: one more than a place in `met`; 0 elsewhere.
+    /// By surface packet of the current stream and lane: one more than an index into `met`; 0 elsewhere.
     lanes: Vec<[u32; 8]>,
 }
 
-/// A ray's arrival at a layer.
+/// Arrival of a ray at a layer.
 #[derive(Clone, Debug)]
 struct Arrived {
-    /// Distance beyond which the next ray starts off everything that lies there.
+    /// Offset at which the next ray starts off all surfaces of the contact.
     reach: f32,
     onward: Option<Through>,
     returning: Option<Through>,
-    /// Bodies whose boundaries are crossed at once and whether they are entered; empty where one surface counts.
+    /// Bodies whose boundaries are crossed together, each with true if it is entered; empty for a single surface.
     crossed: Vec<(u32, bool)>,
 }
 
 impl<'a> Touching<'a> {
-    /// No ray is on its way.
+    /// Creates the state without waiting rays.
     #[must_use]
     pub fn new(contacts: &'a Contacts) -> Self {
         Self { contacts, waiting: Vec::new() }
     }
 
-    /// Forgets all rays, once none is queued.
+    /// Removes all waiting rays, once none is queued.
     pub fn clear(&mut self) {
         self.waiting.clear();
     }
 
-    /// The count that stands for a ray on its way.
+    /// Stores a waiting ray and returns its encoded count; 0 without one.
     fn wait(&mut self, way: Option<Through>) -> u32 {
         way.map_or(0, |way| {
             self.waiting.push(Waiting { way, passes: 0 });
@@ -72,7 +72,7 @@ impl<'a> Touching<'a> {
         })
     }
 
-    /// Adds surfaces passed in a row to what a lane's ray goes on with.
+    /// Sets the number of consecutive surfaces passed in a ray's encoded count.
     pub fn count_passes(&mut self, onward: u32, passes: u32) -> u32 {
         if onward & RESUMES == 0 {
             return passes;
@@ -83,7 +83,7 @@ impl<'a> Touching<'a> {
 }
 
 impl Arrivals {
-    /// The surfaces that a lane of the stream at hand crosses at once; none where one surface counts.
+    /// Returns the surfaces that a lane of the current stream crosses together, or `None` for a single surface.
     #[must_use]
     pub fn crossed(&self, surface: &Surface8, lane: usize) -> Option<&[(u32, bool)]> {
         let number = self.lanes.get(surface.place as usize)?[lane];
@@ -91,7 +91,7 @@ impl Arrivals {
         (!arrived.crossed.is_empty()).then_some(&arrived.crossed)
     }
 
-    /// Takes the rays that are on their way through a place out of a chunk, before it is traced.
+    /// Removes the rays that are between layers from a chunk, before it is traced.
     pub fn hold_back(&mut self, chunk: &mut Chunk) {
         self.held.clear();
         self.met.clear();
@@ -105,7 +105,7 @@ impl Arrivals {
         }
     }
 
-    /// Puts back what was held, and takes every hit at a place where surfaces touch to the layer that counts.
+    /// Restores the held rays, and moves every hit at a contact to the layer that counts.
     pub fn arrive(&mut self, shading: &mut Shading, chunk: &mut Chunk, hits: &mut [Hit8]) {
         let contacts = shading.touching.contacts;
         for (packet, hit8) in hits.iter_mut().enumerate() {
@@ -113,7 +113,7 @@ impl Arrivals {
             for lane in traced {
                 let object = hit8.geometry[lane];
                 if contacts.touches(object, hit8.primitive[lane]) {
-                    self.meet(shading, chunk, hit8, packet, lane);
+                    self.arrive_at(shading, chunk, hit8, packet, lane);
                 }
             }
         }
@@ -129,7 +129,7 @@ impl Arrivals {
         }
     }
 
-    fn meet(&mut self, shading: &mut Shading, chunk: &Chunk, hits: &mut Hit8, packet: usize, lane: usize) {
+    fn arrive_at(&mut self, shading: &mut Shading, chunk: &Chunk, hits: &mut Hit8, packet: usize, lane: usize) {
         let ray = chunk.rays[packet].lane(lane);
         let hit = hits.lane(lane);
         let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
@@ -137,7 +137,7 @@ impl Arrivals {
         let near = origin + dir * f64::from(hit.t);
         let point = near - face.outward(near) * face.height(near);
         let id = (hit.geometry, hit.primitive);
-        let Some(place) = Place::met(shading.scene, shading.touching.contacts, id, [origin, dir], point) else {
+        let Some(place) = ContactPoint::met(shading.scene, shading.touching.contacts, id, [origin, dir], point) else {
             return;
         };
         let new = self.take(shading, chunk, &place, (packet * 8 + lane) as HitRef, dir, hit.t);
@@ -148,17 +148,25 @@ impl Arrivals {
         let (packet, lane) = (at as usize / 8, at as usize % 8);
         let Waiting { way, passes } = shading.touching.waiting[number as usize];
         chunk.states[packet].passes[lane] = passes;
-        // The ray is still where it left the last layer: absorption counts from there.
+        // The ray is still at the last layer it left, from which absorption counts.
         let t = -chunk.states[packet].lead.lane(lane);
         let dir = chunk.rays[packet].dir.lane(lane).as_dvec3();
-        let place = Place::resumed(shading.scene, shading.touching.contacts, way);
+        let place = ContactPoint::resumed(shading.scene, shading.touching.contacts, way);
         debug_assert!(place.is_some(), "a ray goes on through layers that are there");
         let hit = place.map_or(Hit::MISS, |place| self.take(shading, chunk, &place, at, dir, t));
         hits.set_lane(lane, &hit);
     }
 
-    /// Writes down the arrival at the present layer of a place, and gives the hit that stands for it.
-    fn take(&mut self, shading: &mut Shading, chunk: &Chunk, place: &Place, at: HitRef, dir: DVec3, t: f32) -> Hit {
+    /// Records the arrival at the current layer of a contact, and returns the hit that represents it.
+    fn take(
+        &mut self,
+        shading: &mut Shading,
+        chunk: &Chunk,
+        place: &ContactPoint,
+        at: HitRef,
+        dir: DVec3,
+        t: f32,
+    ) -> Hit {
         let point = place.point();
         let outside = |face: &Face| place.is_outside(face, dir);
         let (face, crossed) = match place.layer() {
@@ -178,7 +186,7 @@ impl Arrivals {
         Hit { t, u: u as f32, v: v as f32, instance: 0, geometry: face.object, primitive: face.primitive }
     }
 
-    /// Numbers the surfaces of a stream and gives those at touching places what they need.
+    /// Numbers the surface packets of a stream, and sets the data of surfaces at contacts.
     pub fn mark(&mut self, touching: &mut Touching, refs: &[HitRef], surfaces: &mut [Surface8]) {
         self.lanes.clear();
         for (number, (surface, refs)) in surfaces.iter_mut().zip(refs.chunks(8)).enumerate() {

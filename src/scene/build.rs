@@ -1,12 +1,12 @@
-//! Scenes put together from code: each method adds one thing and returns its index.
+//! Construction of scenes by code: each method adds one element and returns its index.
 
 use super::{Interface, Light, Material, Medium, Object, Origin, Scene, Texture};
 use crate::geometry::{Geometry, GeometryMask, Shape};
 
-/// The index of the last thing in a list.
+/// Returns the index of the last element of a list.
 ///
 /// # Panics
-/// Where the list has more than `u32::MAX` entries.
+/// Panics if the list has more than `u32::MAX` entries.
 fn last<T>(list: &[T]) -> u32 {
     u32::try_from(list.len() - 1).expect("a scene has at most 2^32 things of a kind")
 }
@@ -15,7 +15,7 @@ impl Scene {
     /// Adds a surface. The index is for [`Scene::add_object`].
     ///
     /// # Panics
-    /// Where the scene has 2^32 materials.
+    /// Panics if the scene has 2^32 materials.
     pub fn add_material(&mut self, material: Material) -> u32 {
         self.materials.push(material);
         last(&self.materials)
@@ -25,7 +25,7 @@ impl Scene {
     /// air around everything.
     ///
     /// # Panics
-    /// Where the scene has 2^32 media.
+    /// Panics if the scene has 2^32 media.
     pub fn add_medium(&mut self, medium: Medium) -> u32 {
         self.media.push(medium);
         last(&self.media)
@@ -34,7 +34,7 @@ impl Scene {
     /// Adds a medium and a clear surface around it, and returns the surface's index.
     ///
     /// # Panics
-    /// Where the scene has 2^32 media or materials.
+    /// Panics if the scene has 2^32 media or materials.
     pub fn add_dielectric(&mut self, medium: Medium) -> u32 {
         let black = Material::black(&medium.name);
         let interface = Interface::dielectric(self.add_medium(medium));
@@ -45,7 +45,7 @@ impl Scene {
     /// [`Environment::LatLong`](super::Environment::LatLong).
     ///
     /// # Panics
-    /// Where the scene has 2^32 textures.
+    /// Panics if the scene has 2^32 textures.
     pub fn add_texture(&mut self, texture: Texture) -> u32 {
         self.textures.push(texture);
         last(&self.textures)
@@ -54,7 +54,7 @@ impl Scene {
     /// Adds a light.
     ///
     /// # Panics
-    /// Where the scene has 2^32 lights.
+    /// Panics if the scene has 2^32 lights.
     pub fn add_light(&mut self, light: Light) -> u32 {
         self.lights.push(light);
         last(&self.lights)
@@ -66,7 +66,7 @@ impl Scene {
     /// surface's kind afterwards and the mask no longer fits; [`Scene::validate`] says so.
     ///
     /// # Panics
-    /// Where the scene has 2^32 objects.
+    /// Panics if the scene has 2^32 objects.
     pub fn add_object(&mut self, name: &str, shape: impl Into<Shape>, material: u32) -> u32 {
         let mask = self.materials.get(material as usize).map_or(GeometryMask::OPAQUE, Material::mask);
         self.geometry.push(Geometry { shape: shape.into(), mask });
@@ -76,7 +76,7 @@ impl Scene {
 }
 
 impl Material {
-    /// The mask of shapes with this surface.
+    /// Returns the mask of shapes with this material.
     #[must_use]
     pub fn mask(&self) -> GeometryMask {
         if self.is_transmissive() { GeometryMask::TRANSMISSIVE } else { GeometryMask::OPAQUE }

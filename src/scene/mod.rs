@@ -24,7 +24,9 @@ pub use validate::{Part, Place, SceneError};
 
 use glam::DVec3;
 
-use crate::geometry::{Geometry, Shape};
+use crate::Result;
+use crate::geometry::{Geometry, Shape, TriMesh};
+use crate::system::memory;
 
 /// Linear red, green and blue, as a radiance or a factor.
 pub type Rgb = glam::Vec3;
@@ -94,6 +96,24 @@ pub struct ShapeCounts {
 }
 
 impl Scene {
+    /// Returns a copy, where there is memory for one.
+    ///
+    /// # Errors
+    /// Fails with [`Error::Limit`](crate::Error::Limit) where there is not.
+    pub fn try_clone(&self) -> Result<Self> {
+        memory::need("a copy of the scene", self.bytes(), "take a smaller model or smaller pictures")?;
+        Ok(self.clone())
+    }
+
+    /// Returns the bytes of the lists that grow with models and pictures.
+    fn bytes(&self) -> u64 {
+        let pictures: usize = self.textures.iter().map(|t| size_of_val(t.pixels.as_slice())).sum();
+        let lines: usize = self.objects.iter().map(|o| size_of_val(o.origin.triangle_lines.as_slice())).sum();
+        let meshes =
+            self.geometry.iter().filter_map(|g| if let Shape::Mesh(mesh) = &g.shape { Some(mesh) } else { None });
+        (pictures + lines + meshes.map(TriMesh::bytes).sum::<usize>()) as u64
+    }
+
     /// Returns the world coordinates of a point of the scene, as used in reports.
     #[must_use]
     pub fn world(&self, place: DVec3) -> DVec3 {

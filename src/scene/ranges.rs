@@ -17,14 +17,14 @@ pub const SAMPLES: RangeInclusive<u32> = 1..=256;
 /// Largest depth of a ray.
 pub const MOST_DEPTH: u32 = 10_000;
 
-/// Points on a lamp. Nobody sees a difference beyond.
+/// Largest number of samples per lamp; more make no visible difference.
 pub const LIGHT_SAMPLES: RangeInclusive<u32> = 1..=4096;
 
-/// Most wavelengths of a render. Nobody sees a difference beyond.
+/// Largest number of wavelengths of a render; more make no visible difference.
 pub const MOST_WAVELENGTHS: u32 = 64;
 
-/// Least sine of the angle between the camera's `up` and its view.
+/// Smallest sine of the angle between the camera's `up` and its view.
 pub const LEAST_SINE_OF_UP: f64 = 1e-4;
 
-/// Least sine of the angle between the edges of a rectangular lamp.
+/// Smallest sine of the angle between the edges of a rectangular lamp.
 pub const LEAST_SINE_OF_EDGES: f64 = 1e-3;

@@ -36,15 +36,16 @@ impl Default for Settings {
     }
 }
 
-/// Treatment of shadow rays at transparent surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShadowRule {
-    /// They block light as opaque surfaces do.
-    Opaque,
-    /// Light passes straight through without bending. Each surface weakens it by its transmittance and tint, and each
-    /// medium by its absorption. The transmittance is that seen from the thinner side, so that both directions agree.
-    /// There are no caustics.
-    Straight,
+crate::choice! {
+    /// Effect of transparent surfaces on shadows.
+    pub enum ShadowRule("shadows", derive(Eq)) {
+        /// Transparent surfaces block light, as opaque ones do.
+        "opaque" => Opaque,
+        /// Light goes straight through transparent surfaces, weakened by reflection, tint and absorption.
+        ///
+        /// The reflectance at a surface is that seen from its thinner side, so that it is the same both ways. There are no caustics.
+        "straight" => Straight,
+    }
 }
 
 /// Sampling of area lamps by points, each of which shines like a lamp of its own.

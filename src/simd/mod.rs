@@ -12,7 +12,7 @@ pub use bits::{compress, set_lanes, transpose_bits};
 pub use f32x8::F32x8;
 pub use mask8::Mask8;
 pub use memory::{prefetch, room_for};
-pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal, ReciprocalModel};
+pub use reciprocal::{Division, Estimate, Guess, NewtonStep, Reciprocal, ReciprocalModel, ReciprocalVisitor};
 
 /// Eight three-vectors in structure-of-arrays.
 pub type Vec3x8 = crate::math::Vector3<F32x8>;

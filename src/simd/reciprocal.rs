@@ -34,9 +34,6 @@ impl Estimate for f64 {
 
 /// A way to compute `1 / x`.
 pub trait Reciprocal: Copy + Send + Sync + 'static {
-    /// The name in tables and on the command line.
-    const NAME: &'static str;
-
     /// `1 / x`.
     fn of<R: Estimate>(x: R) -> R;
 
@@ -47,30 +44,15 @@ pub trait Reciprocal: Copy + Send + Sync + 'static {
     }
 }
 
-/// A way to compute `1 / x`, selected at run time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum ReciprocalModel {
-    /// [`Division`].
-    #[default]
-    Exact,
-    /// [`NewtonStep`].
-    Newton,
-    /// [`Guess`].
-    Estimate,
-}
-
-impl ReciprocalModel {
-    /// All ways, the least accurate first.
-    pub const ALL: [Self; 3] = [Self::Estimate, Self::Newton, Self::Exact];
-
-    /// The name in tables and on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Exact => Division::NAME,
-            Self::Newton => NewtonStep::NAME,
-            Self::Estimate => Guess::NAME,
-        }
+crate::choice! {
+    /// Reciprocals of the walk with one ray at a time.
+    pub enum ReciprocalModel("reciprocal", derive(Eq, Hash), default(Exact), visitor(ReciprocalVisitor, Reciprocal)) {
+        /// Estimate of the hardware; its bits differ between makers of CPUs.
+        "estimate" => Estimate by Guess,
+        /// Estimate of the hardware and one Newton step.
+        "newton" => Newton by NewtonStep,
+        /// True division.
+        "exact" => Exact by Division,
     }
 }
 
@@ -88,8 +70,6 @@ pub struct Guess;
 pub struct NewtonStep;
 
 impl Reciprocal for Division {
-    const NAME: &'static str = "exact";
-
     #[inline(always)]
     fn of<R: Estimate>(x: R) -> R {
         R::one() / x
@@ -103,8 +83,6 @@ impl Reciprocal for Division {
 }
 
 impl Reciprocal for Guess {
-    const NAME: &'static str = "estimate";
-
     #[inline(always)]
     fn of<R: Estimate>(x: R) -> R {
         x.reciprocal_estimate()
@@ -112,8 +90,6 @@ impl Reciprocal for Guess {
 }
 
 impl Reciprocal for NewtonStep {
-    const NAME: &'static str = "newton";
-
     #[inline(always)]
     fn of<R: Estimate>(x: R) -> R {
         let e = x.reciprocal_estimate();

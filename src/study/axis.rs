@@ -1,160 +1,124 @@
-//! The choices that have a price, and the levels of each.
+//! Settings whose price is studied, and the levels of each.
 
 use std::fmt;
 
 use crate::accel::Backend;
+use crate::choice::{Choice, number_of};
 use crate::geometry::Shape;
 use crate::geometry::triangle_test::TriangleModel;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
 use crate::scene::{Interface, MirrorSource, Scene, ShadowRule};
 use crate::simd::ReciprocalModel;
 
-/// A choice that has a price.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Axis {
-    /// Which formula splits light at a surface.
-    Fresnel,
-    /// Which formula bends light.
-    Refraction,
-    /// What becomes of reflected light.
-    Reflection,
-    /// What transparent surfaces do to shadows.
-    Shadows,
-    /// Exact spheres or triangles.
-    Spheres,
-    /// Below which weight a ray ends, or by what proof.
-    Cutoff,
-    /// How often a ray may reflect or refract.
-    Depth,
-    /// What finds hits.
-    Backend,
-    /// Which ray/triangle test, in a walk of one ray at a time.
-    Triangles,
-    /// What one over a number is, in the same walk.
-    Reciprocal,
-    /// Eight lanes of `f32`, or `f64`.
-    Precision,
-    /// Rays a pixel.
-    Sampling,
+crate::choice! {
+    /// Settings to study.
+    pub enum Axis("axes", derive(Eq, Hash, PartialOrd, Ord)) {
+        /// Formula for the share of light that a surface reflects.
+        "fresnel" => Fresnel,
+        /// Formula for the direction of refracted light.
+        "refraction" => Refraction,
+        /// Source of reflected light.
+        "reflection" => Reflection,
+        /// Effect of transparent surfaces on shadows.
+        "shadows" => Shadows,
+        /// Exact spheres, or meshes.
+        "spheres" => Spheres,
+        /// Weight below which a ray ends, or a proven bound on what that changes.
+        "cutoff" => Cutoff,
+        /// Largest number of reflections and refractions of a ray.
+        "depth" => Depth,
+        /// Back end that finds hits.
+        "backend" => Backend,
+        /// Ray/triangle test of the walk with one ray at a time.
+        "triangles" => Triangles,
+        /// Reciprocals of the same walk.
+        "reciprocal" => Reciprocal,
+        /// Eight lanes of f32, or f64.
+        "precision" => Precision,
+        /// Camera rays for each pixel.
+        "sampling" => Sampling,
+    }
 }
 
-/// What a picture is computed in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Precision {
-    /// Eight lanes of `f32`.
-    Single,
-    /// One ray at a time in `f64`, over its own hierarchy.
-    Double,
+crate::choice! {
+    /// Arithmetic of a picture.
+    pub enum Precision("precision", derive(Eq, Hash)) {
+        /// Eight lanes of f32.
+        "f32x8" => Single,
+        /// One ray at a time in f64, with a hierarchy of its own.
+        "f64" => Double,
+    }
 }
 
-/// What spheres are.
+/// Representation of spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Spheres {
-    /// Spheres.
+    /// Exact spheres.
     Exact,
-    /// Meshes of this many bands of latitude, twice as many of longitude, with smooth normals.
+    /// Meshes with this many bands of latitude, twice as many of longitude, and interpolated normals.
     Bands(u32),
 }
 
 /// One level of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Level {
-    /// See [`Axis::Fresnel`].
+    /// Level of [`Axis::Fresnel`].
     Fresnel(FresnelModel),
-    /// See [`Axis::Refraction`]; the constant counts for Oliveira's formula alone, and is that for glass else.
-    Refraction(RefractionModel, Oliveira),
-    /// See [`Axis::Reflection`].
+    /// Level of [`Axis::Refraction`].
+    Refraction(RefractionModel),
+    /// Level of [`Axis::Reflection`].
     Reflection(Reflection),
-    /// See [`Axis::Shadows`].
+    /// Level of [`Axis::Shadows`].
     Shadows(ShadowRule),
-    /// See [`Axis::Spheres`].
+    /// Level of [`Axis::Spheres`].
     Spheres(Spheres),
-    /// See [`Axis::Cutoff`]; a fixed weight in 0..=1.
+    /// Level of [`Axis::Cutoff`]: a fixed weight in 0..=1.
     Cutoff(f32),
-    /// See [`Axis::Cutoff`]; what is cut changes no channel by more than this, above 0.
+    /// Level of [`Axis::Cutoff`]: the largest change of a channel by the rays that end, above 0.
     Proven(f32),
-    /// See [`Axis::Depth`].
+    /// Level of [`Axis::Depth`].
     Depth(u32),
-    /// See [`Axis::Backend`].
+    /// Level of [`Axis::Backend`].
     Backend(Backend),
-    /// See [`Axis::Triangles`]; none is the back end's own kernels.
+    /// Level of [`Axis::Triangles`]; none stands for the back end's own kernels.
     Triangles(Option<TriangleModel>),
-    /// See [`Axis::Reciprocal`].
+    /// Level of [`Axis::Reciprocal`].
     Reciprocal(ReciprocalModel),
-    /// See [`Axis::Precision`].
+    /// Level of [`Axis::Precision`].
     Precision(Precision),
-    /// See [`Axis::Sampling`]: a grid of so many by so many.
+    /// Level of [`Axis::Sampling`]: a grid of so many by so many rays.
     Sampling(u32),
 }
 
+/// Name of the level of [`Axis::Triangles`] that is no choice of a test.
+const OWN_KERNELS: &str = "own";
+
+/// All levels of a choice.
+fn of<C: Choice>(level: fn(C) -> Level) -> Vec<Level> {
+    C::compared().into_iter().map(level).collect()
+}
+
+/// The level of a choice with this name.
+fn read<C: Choice>(name: &str, level: fn(C) -> Level) -> Option<Level> {
+    C::parse(name).ok().map(level)
+}
+
 impl Axis {
-    /// All of them, in the order in which they are studied.
-    pub const ALL: [Self; 12] = [
-        Self::Fresnel,
-        Self::Refraction,
-        Self::Reflection,
-        Self::Shadows,
-        Self::Spheres,
-        Self::Cutoff,
-        Self::Depth,
-        Self::Backend,
-        Self::Triangles,
-        Self::Reciprocal,
-        Self::Precision,
-        Self::Sampling,
-    ];
-
-    /// The name in reports and on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fresnel => "fresnel",
-            Self::Refraction => "refraction",
-            Self::Reflection => "reflection",
-            Self::Shadows => "shadows",
-            Self::Spheres => "spheres",
-            Self::Cutoff => "cutoff",
-            Self::Depth => "depth",
-            Self::Backend => "backend",
-            Self::Triangles => "triangles",
-            Self::Reciprocal => "reciprocal",
-            Self::Precision => "precision",
-            Self::Sampling => "sampling",
-        }
-    }
-
     /// The axis of that name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|axis| axis.name() == name)
+        Self::parse(name).ok()
     }
 
     /// Its levels, cheapest claim first.
     #[must_use]
     pub fn levels(self) -> Vec<Level> {
         match self {
-            Self::Fresnel => [FresnelModel::Off, FresnelModel::Schlick, FresnelModel::Exact, FresnelModel::Polarised]
-                .map(Level::Fresnel)
-                .to_vec(),
-            Self::Refraction => {
-                let oliveira = [Oliveira::AS_PRINTED, Oliveira::WATER, Oliveira::GLASS]
-                    .map(|c| Level::Refraction(RefractionModel::Oliveira, c));
-                let others = [
-                    RefractionModel::Bec,
-                    RefractionModel::Heckbert,
-                    RefractionModel::SlidesVector,
-                    RefractionModel::Trigonometric,
-                    RefractionModel::Stable,
-                ];
-                let level = |model| Level::Refraction(model, Oliveira::GLASS);
-                let straight = std::iter::once(level(RefractionModel::StraightThrough));
-                straight.chain(oliveira).chain(others.map(level)).collect()
-            }
-            Self::Reflection => {
-                [Reflection::None, Reflection::Environment, Reflection::Traced].map(Level::Reflection).to_vec()
-            }
-            Self::Shadows => [ShadowRule::Opaque, ShadowRule::Straight].map(Level::Shadows).to_vec(),
+            Self::Fresnel => of(Level::Fresnel),
+            Self::Refraction => of(Level::Refraction),
+            Self::Reflection => of(Level::Reflection),
+            Self::Shadows => of(Level::Shadows),
             Self::Spheres => {
                 let bands = [8, 16, 32, 64, 128].map(Spheres::Bands);
                 bands.into_iter().chain([Spheres::Exact]).map(Level::Spheres).collect()
@@ -167,15 +131,15 @@ impl Axis {
             Self::Backend => [Backend::EmbreeFast, Backend::Embree, Backend::Native].map(Level::Backend).to_vec(),
             Self::Triangles => {
                 let own = std::iter::once(Level::Triangles(None));
-                own.chain(TriangleModel::ALL.map(|test| Level::Triangles(Some(test)))).collect()
+                own.chain(of(|test| Level::Triangles(Some(test)))).collect()
             }
-            Self::Reciprocal => ReciprocalModel::ALL.map(Level::Reciprocal).to_vec(),
-            Self::Precision => [Precision::Single, Precision::Double].map(Level::Precision).to_vec(),
+            Self::Reciprocal => of(Level::Reciprocal),
+            Self::Precision => of(Level::Precision),
             Self::Sampling => [1, 2, 4, 8].map(Level::Sampling).to_vec(),
         }
     }
 
-    /// Why this axis cannot change pictures of `scene`, where it cannot.
+    /// Reason for which this axis cannot change pictures of `scene`, if there is one.
     #[must_use]
     pub fn idle(self, scene: &Scene) -> Option<&'static str> {
         let any = |wanted: fn(&Interface) -> bool| scene.materials.iter().any(|m| wanted(&m.interface));
@@ -217,7 +181,7 @@ impl Level {
     pub fn axis(self) -> Axis {
         match self {
             Self::Fresnel(_) => Axis::Fresnel,
-            Self::Refraction(..) => Axis::Refraction,
+            Self::Refraction(_) => Axis::Refraction,
             Self::Reflection(_) => Axis::Reflection,
             Self::Shadows(_) => Axis::Shadows,
             Self::Spheres(_) => Axis::Spheres,
@@ -231,40 +195,45 @@ impl Level {
         }
     }
 
-    /// The level of `axis` that is called `name`, one of [`Axis::levels`] or any other number that can be one.
+    /// The level of `axis` that is called `name`: one of [`Axis::levels`], or another number that can be a level.
     #[must_use]
     pub fn parse(axis: Axis, name: &str) -> Option<Self> {
         let number = |text: &str| text.parse::<u32>().ok();
         match axis {
-            Axis::Depth => number(name).map(Self::Depth),
-            Axis::Sampling => number(name.split_once('x')?.0).map(Self::Sampling),
-            Axis::Spheres if name != "exact" => number(name).map(|n| Self::Spheres(Spheres::Bands(n))),
-            Axis::Refraction if name.starts_with("oliveira c=") => {
-                let c = name["oliveira c=".len()..].parse::<f64>().ok().filter(|c| *c > -1.0)?;
-                Some(Self::Refraction(RefractionModel::Oliveira, Oliveira { c }))
-            }
+            Axis::Fresnel => read(name, Self::Fresnel),
+            Axis::Refraction => read(name, Self::Refraction),
+            Axis::Reflection => read(name, Self::Reflection),
+            Axis::Shadows => read(name, Self::Shadows),
+            Axis::Spheres if name == "exact" => Some(Self::Spheres(Spheres::Exact)),
+            Axis::Spheres => number(name).map(|n| Self::Spheres(Spheres::Bands(n))),
             Axis::Cutoff => match name.strip_prefix("proven ") {
-                Some(error) => share(error).filter(|e| *e > 0.0).map(Self::Proven),
-                None => share(name).map(Self::Cutoff),
+                Some(error) => weight(error).filter(|e| *e > 0.0).map(Self::Proven),
+                None => weight(name).map(Self::Cutoff),
             },
-            _ => axis.levels().into_iter().find(|level| level.to_string() == name),
+            Axis::Depth => number(name).map(Self::Depth),
+            Axis::Backend => read(name, Self::Backend),
+            Axis::Triangles if name == OWN_KERNELS => Some(Self::Triangles(None)),
+            Axis::Triangles => read(name, |test| Self::Triangles(Some(test))),
+            Axis::Reciprocal => read(name, Self::Reciprocal),
+            Axis::Precision => read(name, Self::Precision),
+            Axis::Sampling => number(name.split_once('x')?.0).map(Self::Sampling),
         }
     }
 }
 
 /// A number in 0..=1, written as such or as a quotient.
-fn share(text: &str) -> Option<f32> {
-    let x = match text.split_once('/') {
-        Some((one, n)) => one.parse::<f32>().ok()? / n.parse::<f32>().ok()?,
-        None => text.parse().ok()?,
+fn weight(text: &str) -> Option<f32> {
+    let x = match text.contains('/') {
+        true => number_of(text)? as f32,
+        false => text.parse().ok()?,
     };
     (0.0..=1.0).contains(&x).then_some(x)
 }
 
-/// `1/n` where it is one, else the number.
-struct Share(f32);
+/// A weight, written as `1/n` where it is one over a whole number.
+struct Quotient(f32);
 
-impl fmt::Display for Share {
+impl fmt::Display for Quotient {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self(x) = *self;
         let whole = 1.0 / x;
@@ -276,35 +245,23 @@ impl fmt::Display for Share {
     }
 }
 
-/// As the command line has it.
+/// Writes the name that [`Level::parse`] reads.
 impl fmt::Display for Level {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match *self {
-            Self::Fresnel(FresnelModel::Exact) | Self::Spheres(Spheres::Exact) => f.write_str("exact"),
-            Self::Fresnel(FresnelModel::Polarised) => f.write_str("polarised"),
-            Self::Fresnel(FresnelModel::Schlick) => f.write_str("schlick"),
-            Self::Fresnel(FresnelModel::Off) => f.write_str("off"),
-            Self::Refraction(RefractionModel::Stable, _) => f.write_str("stable"),
-            Self::Refraction(RefractionModel::Trigonometric, _) => f.write_str("trigonometric"),
-            Self::Refraction(RefractionModel::Heckbert, _) => f.write_str("heckbert"),
-            Self::Refraction(RefractionModel::Bec, _) => f.write_str("bec"),
-            Self::Refraction(RefractionModel::SlidesVector, _) => f.write_str("slides"),
-            Self::Refraction(RefractionModel::Oliveira, c) => write!(f, "oliveira c={}", c.c),
-            Self::Refraction(RefractionModel::StraightThrough, _) => f.write_str("straight"),
-            Self::Reflection(Reflection::Traced) => f.write_str("traced"),
-            Self::Reflection(Reflection::Environment) => f.write_str("environment"),
-            Self::Reflection(Reflection::None) => f.write_str("none"),
-            Self::Shadows(ShadowRule::Opaque) => f.write_str("opaque"),
-            Self::Shadows(ShadowRule::Straight) => f.write_str("straight"),
+            Self::Fresnel(level) => level.fmt(f),
+            Self::Refraction(level) => level.fmt(f),
+            Self::Reflection(level) => level.fmt(f),
+            Self::Shadows(level) => level.fmt(f),
+            Self::Spheres(Spheres::Exact) => f.write_str("exact"),
             Self::Spheres(Spheres::Bands(n)) | Self::Depth(n) => write!(f, "{n}"),
-            Self::Cutoff(w) => write!(f, "{}", Share(w)),
-            Self::Proven(e) => write!(f, "proven {}", Share(e)),
-            Self::Triangles(None) => f.write_str("own"),
-            Self::Triangles(Some(test)) => f.write_str(test.name()),
-            Self::Reciprocal(model) => f.write_str(model.name()),
-            Self::Backend(backend) => f.write_str(backend.name()),
-            Self::Precision(Precision::Single) => f.write_str("f32x8"),
-            Self::Precision(Precision::Double) => f.write_str("f64"),
+            Self::Cutoff(w) => write!(f, "{}", Quotient(w)),
+            Self::Proven(e) => write!(f, "proven {}", Quotient(e)),
+            Self::Triangles(None) => f.write_str(OWN_KERNELS),
+            Self::Triangles(Some(level)) => level.fmt(f),
+            Self::Reciprocal(level) => level.fmt(f),
+            Self::Backend(level) => level.fmt(f),
+            Self::Precision(level) => level.fmt(f),
             Self::Sampling(n) => write!(f, "{n}x{n}"),
         }
     }

@@ -36,9 +36,9 @@ impl<'a> Condition<'a> {
 
     /// Returns for each pixel true if its `f64` value changes by more than the tolerance when its rays move by [`ULPS`]
     /// ulps of `f32`, or by as many for each level of their paths. The rays of a pixel move together, each to eight
-    /// sides: directions of camera rays by ulps of 1, their origins by ulps of the eye's largest coordinate, and
-    /// directions of shadow rays by ulps of 1. Area lamps and wavelengths are sampled as in the picture. The result is
-    /// `None` if `until` passes first.
+    /// sides. Directions of camera rays and of shadow rays move by ulps of 1, and origins by ulps of the eye's largest
+    /// coordinate. Area lamps and wavelengths are sampled as in the picture. The result is `None` if `until` passes
+    /// first.
     ///
     /// # Errors
     /// Returns `Error::Interrupted` if the observer requests a stop.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::axis::{Precision, Spheres};
 use super::variant::Variant;
 use crate::image::Film;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
@@ -54,7 +54,6 @@ pub fn exact(default: &Variant) -> Variant {
             _ => FresnelModel::Exact,
         },
         refraction: RefractionModel::Stable,
-        oliveira: Oliveira::GLASS,
         reflection: Reflection::Traced,
         spheres: Spheres::Exact,
         depth: default.depth.max(DEPTH),

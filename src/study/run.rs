@@ -14,6 +14,7 @@ use super::reference::{self, Made, Reference};
 use super::report::{self, Pictured, Report};
 use super::variant::Variant;
 use super::{digest, size};
+use crate::accel::reference::Reference as Arbiter;
 use crate::image::{self, Film};
 use crate::render::Observer;
 use crate::render::reference::Prepared;
@@ -93,11 +94,12 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
             [width, height]
         }
     };
-    let mut scene = subject.scene.clone();
+    let mut scene = subject.scene.try_clone()?;
     (scene.settings.width, scene.settings.height) = (width, height);
     scene.settings = subject.default.settings(&scene.settings);
     let exact = reference::most_exact(&subject.default, &scene);
-    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.clone() };
+    let judge = Scene { settings: exact.settings(&scene.settings), ..scene.try_clone()? };
+    Arbiter::need(&judge.geometry)?;
     let condition = Condition::new(&judge, Prepared::new(&judge, exact.fresnel), VISIBLE, watch.observer);
     let mut session = Session {
         subject,

@@ -8,8 +8,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::axis::{Axis, Level, Precision, Spheres};
 use crate::accel::{Backend, BuildQuality};
+use crate::choice::Choice;
 use crate::geometry::triangle_test::TriangleModel;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel};
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Options, Reflection};
 use crate::scene::{Settings, ShadowRule};
 use crate::simd::ReciprocalModel;
@@ -21,8 +22,6 @@ pub struct Variant {
     pub fresnel: FresnelModel,
     /// Which formula bends light.
     pub refraction: RefractionModel,
-    /// The constant of Oliveira's formula; that for glass with any other.
-    pub oliveira: Oliveira,
     /// What becomes of reflected light.
     pub reflection: Reflection,
     /// What transparent surfaces do to shadows.
@@ -56,7 +55,6 @@ impl Variant {
         Self {
             fresnel: FresnelModel::Exact,
             refraction: RefractionModel::Stable,
-            oliveira: Oliveira::GLASS,
             reflection: Reflection::Traced,
             shadows: settings.shadows,
             spheres: Spheres::Exact,
@@ -77,7 +75,7 @@ impl Variant {
     pub fn level(&self, axis: Axis) -> Level {
         match axis {
             Axis::Fresnel => Level::Fresnel(self.fresnel),
-            Axis::Refraction => Level::Refraction(self.refraction, self.oliveira),
+            Axis::Refraction => Level::Refraction(self.refraction),
             Axis::Reflection => Level::Reflection(self.reflection),
             Axis::Shadows => Level::Shadows(self.shadows),
             Axis::Spheres => Level::Spheres(self.spheres),
@@ -96,7 +94,7 @@ impl Variant {
     pub fn with(mut self, level: Level) -> Self {
         match level {
             Level::Fresnel(x) => self.fresnel = x,
-            Level::Refraction(x, c) => (self.refraction, self.oliveira) = (x, c),
+            Level::Refraction(x) => self.refraction = x,
             Level::Reflection(x) => self.reflection = x,
             Level::Shadows(x) => self.shadows = x,
             Level::Spheres(x) => self.spheres = x,
@@ -162,7 +160,6 @@ impl Variant {
         Options {
             fresnel: self.fresnel,
             refraction: self.refraction,
-            oliveira: self.oliveira,
             reflection: self.reflection,
             cutoff_error: self.proven,
             threads,
@@ -182,10 +179,7 @@ impl Variant {
             },
             format!("--fresnel {}", self.level(Axis::Fresnel)),
         ];
-        flags.push(match self.refraction {
-            RefractionModel::Oliveira => format!("--refraction oliveira --oliveira {}", self.oliveira.c),
-            _ => format!("--refraction {}", self.level(Axis::Refraction)),
-        });
+        flags.push(format!("--refraction {}", self.level(Axis::Refraction)));
         flags.push(format!("--reflection {}", self.level(Axis::Reflection)));
         flags.push(format!("--shadows {}", self.level(Axis::Shadows)));
         if let Spheres::Bands(n) = self.spheres {
@@ -225,8 +219,8 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
-/// Beside the levels of all axes.
-const BVH: &str = "bvh";
+/// Name of the build quality, which is no axis.
+const BVH: &str = BuildQuality::OPTION;
 
 /// By the names of its levels.
 impl Serialize for Variant {
@@ -247,10 +241,8 @@ impl<'de> Deserialize<'de> for Variant {
             variant = variant.with(level);
         }
         let name = names.get(BVH).ok_or_else(|| serde::de::Error::missing_field(BVH))?;
-        variant.bvh = BuildQuality::ALL
-            .into_iter()
-            .find(|quality| quality.name() == name)
-            .ok_or_else(|| serde::de::Error::custom(format!("{BVH} has no level `{name}`")))?;
+        variant.bvh =
+            BuildQuality::parse(name).map_err(|_| serde::de::Error::custom(format!("{BVH} has no level `{name}`")))?;
         Ok(variant)
     }
 }

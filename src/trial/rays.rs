@@ -25,43 +25,28 @@ const NEARBY: f32 = 0.25;
 /// Packets that a thread takes at a time.
 const CHUNK: usize = 64;
 
-/// A kind of rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum RayKind {
-    /// From the eye, through the middle of each pixel.
-    Primary,
-    /// From each surface to a point light, any hit, up to 0.999 of the way.
-    Shadow,
-    /// Reflected about the geometric normal.
-    Mirror,
-    /// Into index 1.5 about the geometric normal; then, from the next surface, out of it. Inside and outside are not
-    /// asked for, so that open meshes serve too; what is totally reflected at the exit ends there. First all that
-    /// enter, then all that leave, as a renderer's streams have them.
-    Refracted,
-    /// Into the hemisphere by cosine.
-    Diffuse,
-    /// The same, any hit within a quarter of the scene's diagonal.
-    DiffuseAny,
+crate::choice! {
+    /// Kinds of rays.
+    pub enum RayKind("rays", derive(Eq, Hash)) {
+        /// From the eye through the centre of each pixel.
+        "primary" => Primary,
+        /// From each surface to a point light, any hit up to 0.999 of the distance.
+        "shadow" => Shadow,
+        /// Reflected about the geometric normal.
+        "mirror" => Mirror,
+        /// Refracted into index 1.5, and at the next surface out of it.
+        ///
+        /// Inside and outside are not asked for, so that open meshes serve too. A ray that is totally reflected at the exit ends there.
+        /// First come all rays that enter, then all that leave, as in a renderer's streams.
+        "refracted" => Refracted,
+        /// Into the hemisphere with the density of the cosine.
+        "diffuse" => Diffuse,
+        /// Into the hemisphere with the density of the cosine, any hit within a quarter of the scene's diagonal.
+        "diffuse-any" => DiffuseAny,
+    }
 }
 
 impl RayKind {
-    /// All kinds.
-    pub const ALL: [Self; 6] =
-        [Self::Primary, Self::Shadow, Self::Mirror, Self::Refracted, Self::Diffuse, Self::DiffuseAny];
-
-    /// The name in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Primary => "primary",
-            Self::Shadow => "shadow",
-            Self::Mirror => "mirror",
-            Self::Refracted => "refracted",
-            Self::Diffuse => "diffuse",
-            Self::DiffuseAny => "diffuse-any",
-        }
-    }
-
     /// Whether any hit will do, instead of the nearest.
     #[must_use]
     pub fn any_hit(self) -> bool {

@@ -1,4 +1,4 @@
-//! What the two renderers once disagreed in, as small scenes with answers by hand. Both have to give them.
+//! Small scenes on which the two renderers once disagreed, with answers by hand that both must give.
 
 use glam::Vec3;
 use vitrum::optics::{Boundary, Exact, FresnelFormula};

@@ -14,19 +14,19 @@ use vitrum::scene::Scene;
 /// Most that a channel of a pixel may differ, as a share of its value where that is above 1.
 const TOLERANCE: f64 = 2e-4;
 
-/// How far a camera ray is moved to see whether a pixel is well-conditioned, in ulps of 1: what secondary rays in `f32`
-/// start off the surfaces they leave is some ten of them, at each surface.
+/// Movements of a camera ray, in ulps of 1, that test if a pixel is well-conditioned. In `f32` the origins of secondary
+/// rays are offset by some ten ulps at each surface.
 const ULPS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 
 /// Scenes that are rendered.
 const SCENES: u64 = 300;
 
-/// Values of pixels that may differ and yet stay put under a moved camera ray, in one scene and in all. Light that grazes
-/// the inside of a ball leaves it at an angle that depends on the root of the distance at which it started off the
-/// surface; and smooth normals are bent (`optics::consistent_normal`) to a threshold that parallel facets meet exactly.
+/// Numbers of pixel values, in one scene and in all, that may differ although a moved camera ray does not change them.
+/// Light that grazes the inside of a ball leaves it at an angle that depends on the root of its offset from the
+/// surface. Smooth normals are bent (`optics::consistent_normal`) to a threshold that parallel facets meet exactly.
 const STRAY: (usize, usize) = (8, 16);
 
-/// What is compared of a pixel.
+/// Compared quantity of a pixel.
 type Quantity = fn(&Tally) -> DVec3;
 
 fn differs(a: DVec3, b: DVec3) -> bool {
@@ -34,8 +34,8 @@ fn differs(a: DVec3, b: DVec3) -> bool {
     ((a - b).abs() / scale).max_element() > TOLERANCE
 }
 
-/// Whether what `of` says of a pixel in the `f64` renderer moves by more than the tolerance when the camera rays move
-/// by a few ulps of `f32`.
+/// Returns true if the quantity `of` of a pixel in the `f64` renderer changes by more than the tolerance when the
+/// camera rays move by a few ulps of `f32`.
 fn is_ill_conditioned(prepared: &Prepared<'_>, scene: &Scene, pixel: [u32; 2], of: Quantity) -> bool {
     let n = scene.settings.samples;
     let reach = scene.camera.eye.as_dvec3().abs().max_element() + 1.0;
@@ -63,7 +63,7 @@ fn nearly(a: u64, b: u64) -> bool {
     a.abs_diff(b) * 50 <= a.max(b) + 500
 }
 
-/// What the two renderers disagree in, in words: single values of pixels, and what they counted.
+/// Describes the differences between the renderers: single values of pixels, and counts.
 fn disagreements(scene: &Scene, ours: &Outcome, theirs: &Outcome, prepared: &Prepared<'_>) -> [Vec<String>; 2] {
     let (mut stray, mut found) = (Vec::new(), Vec::new());
     let films: [(_, _, _, Quantity); 2] = [

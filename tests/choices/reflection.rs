@@ -1,4 +1,4 @@
-//! What mirror-like reflections see, by choice.
+//! Choices for reflected light: traced, looked up in the environment, or left out.
 
 use glam::Vec3;
 use vitrum::optics::{Boundary, Exact, FresnelFormula};

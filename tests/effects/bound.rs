@@ -1,4 +1,4 @@
-//! How many rays a picture may take, as told before it is made.
+//! Upper bounds on the rays of a picture.
 
 use glam::Vec3;
 use vitrum::effects::{self, EffectPlan};

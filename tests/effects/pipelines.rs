@@ -21,7 +21,7 @@ fn random_scenes_with_random_effects_left_out_are_the_same_by_all_stages_as_by_t
     for seed in 0..300 {
         let (scene, fresnel) = random::scene(seed);
         let options = Options { fresnel, ..Options::default() };
-        let some: EffectSet = Effect::ALL.iter().copied().filter(|_| rng.below(6) == 0).collect();
+        let some: EffectSet = Effect::ALL.into_iter().filter(|_| rng.below(6) == 0).collect();
         for without in [EffectSet::EMPTY, some] {
             let [auto, all] = auto_and_all(&scene, without, &options);
             assert!(same(&auto, &all), "scene {seed} without {:?}", without.iter().collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! What is proven to be out of reach is never met.
+//! Objects that are proven out of reach are never hit.
 
 use glam::Vec3;
 use vitrum::effects::{self, Effect, EffectPlan, EffectSet};

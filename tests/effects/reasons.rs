@@ -1,4 +1,4 @@
-//! Why an effect is on or off, in words.
+//! Reasons for effects being on or off.
 
 use std::path::Path;
 

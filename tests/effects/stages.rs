@@ -1,4 +1,4 @@
-//! What is on is simulated, and nothing else: which stages run, and what shows.
+//! Effects that are on are simulated, and no others: the stages that run, and the visible result.
 
 use std::path::Path;
 

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use super::entry;
 
-/// How a command line ended.
+/// Ending of a command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// By itself, with this exit code.

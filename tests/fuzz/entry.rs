@@ -1,6 +1,6 @@
-//! What is done with bytes that may be anything, and what must hold whatever they are: no panic, an error of one line
-//! with an exit code of its own, or a sound scene. Shared by `tests/mutation.rs` (stable Rust) and the targets beside
-//! this file (libFuzzer).
+//! Entry points for arbitrary bytes, with the properties that must always hold: no panic, and either an error of one
+//! line with an exit code, or a valid scene. Shared by `tests/mutation.rs` (stable Rust) and the targets beside this
+//! file (libFuzzer).
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -103,7 +103,7 @@ pub fn load(kind: Kind, bytes: &[u8]) -> bool {
     })
 }
 
-/// What every loaded scene keeps.
+/// Checks the invariants of a loaded scene.
 fn check(scene: &Scene) {
     assert_eq!(scene.objects.len(), scene.geometry.len());
     for (object, geometry) in scene.objects.iter().zip(&scene.geometry) {

@@ -7,7 +7,7 @@ use vitrum::scene::{FresnelRule, Interface, Rgb, Scene};
 
 use crate::support::scenes;
 
-/// What arrives and what was cut is all there is, in a room of radiance 1.
+/// Checks that arriving light and truncated weight sum to 1 in a room of radiance 1.
 fn assert_whole(outcome: &Outcome, what: &str) {
     assert_eq!((outcome.non_finite, outcome.clamped), (0, 0), "{what}");
     for (seen, lost) in outcome.film.pixels.iter().zip(&outcome.truncated.pixels) {
@@ -46,8 +46,8 @@ fn light_caught_in_a_cube_of_glass_is_cut_at_the_depth_asked_for_and_reported() 
     }
 }
 
-/// AB-05: each surface makes two rays of one, 2^depth in all, but for the cut-off: with one of c no more than 2 / c rays a
-/// pixel are alive at any depth, since their weights add up to no more than 1.
+/// AB-05: each surface makes two rays of one, 2^depth in all without a cut-off. With a cut-off of c at most 2 / c rays
+/// per pixel are alive at any depth, since their weights add up to at most 1.
 #[test]
 fn the_number_of_rays_is_bounded_by_the_cutoff_and_not_by_two_to_the_depth() {
     let mut scene = small(8);
@@ -65,8 +65,8 @@ fn the_number_of_rays_is_bounded_by_the_cutoff_and_not_by_two_to_the_depth() {
     }
 }
 
-/// AB-08: a hundred shells one inside another, each of another index: every boundary is the right one (a straight ray
-/// through the middle is weakened by their product), nothing is left that was not entered, and nothing is lost.
+/// AB-08: a hundred nested shells, each of another index. Every boundary is the right one (a straight ray through the
+/// middle is weakened by their product), there is no unmatched exit, and no light is lost.
 #[test]
 fn a_hundred_nested_shells_weaken_light_by_the_product_of_their_boundaries() {
     let mut scene = small(9);

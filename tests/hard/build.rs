@@ -72,8 +72,8 @@ pub fn zoo(n: usize) -> Vec<(&'static str, TriMesh)> {
     ]
 }
 
-/// BB-03, BB-04, BB-05, BB-07, BB-09: whatever is to be divided, every box holds what lies below it, every triangle is
-/// there once, and no path is deeper than the stacks allow; a centre on the last bin's border has a bin.
+/// BB-03, BB-04, BB-05, BB-07, BB-09: for any input every box contains its subtree, every triangle occurs once, and no
+/// path is deeper than the stacks allow. A centre on the last bin's border has a bin.
 #[test]
 fn every_tree_of_the_zoo_is_sound() {
     for (name, mesh) in zoo(count(20_000)) {

@@ -11,9 +11,9 @@ use crate::support::aim::count;
 use crate::support::kernels::{Held, KERNELS, sound};
 use crate::support::{Rng, contract, scenes, shapes};
 
-/// LN-01, LN-02, LN-03, LN-05: all 255 sets of active lanes, rays of one octant or of all eight, the other lanes poisoned
-/// with NaN, infinities, zero or denormals: active lanes have the bits they have alone, and no byte of the others'
-/// results is touched.
+/// LN-01, LN-02, LN-03, LN-05: all 255 sets of active lanes, rays of one octant or of all eight. The other lanes are
+/// poisoned with NaN, infinities, zero or denormals. Active lanes have the bits of the ray alone, and no byte of the
+/// other lanes' results changes.
 #[test]
 fn any_set_of_lanes_in_any_octants_beside_any_poison_gives_the_bits_of_each_ray_alone() {
     let mut rng = Rng::new(91);
@@ -68,8 +68,8 @@ fn any_set_of_lanes_in_any_octants_beside_any_poison_gives_the_bits_of_each_ray_
     }
 }
 
-/// LN-12: what is met is counted in as it is counted out: with nothing cut, each ray that enters glass of the room's index
-/// leaves it, and in a hall where every ray is divided in two, each hit sends two.
+/// LN-12: rays are neither lost nor doubled. With nothing cut, each ray that enters glass of the room's index leaves
+/// it, and in a hall where every ray is divided in two, each hit sends two.
 #[test]
 fn no_ray_is_lost_or_doubled_between_the_queues() {
     let mut scene = scenes::empty(1.0);
@@ -93,8 +93,8 @@ fn no_ray_is_lost_or_doubled_between_the_queues() {
     assert!(outcome.film.pixels.iter().zip(&outcome.truncated.pixels).all(whole));
 }
 
-/// LN-11, RB-08: the processor's estimates of reciprocals and roots, good to 12 bits and different between makers, are used
-/// nowhere but in the types by which an experiment asks for them: every quotient else is a division.
+/// LN-11, RB-08: the processor's estimates of reciprocals and roots are good to 12 bits and differ between makers. They
+/// are used only in the types by which an experiment requests them; every other quotient is a division.
 #[test]
 fn no_estimate_of_a_reciprocal_or_root_is_used() {
     fn sources(folder: &std::path::Path, all: &mut Vec<std::path::PathBuf>) {

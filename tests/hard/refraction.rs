@@ -8,8 +8,8 @@ use vitrum::scene::{Environment, Rgb};
 
 use crate::support::{Rng, scenes};
 
-/// RF-13: Oliveira's `i - c n` is no direction at all for c = -1 head on, and his constant for the way out, `-c / (1 + c)`,
-/// has a pole there; whatever the constant, the direction is a number of unit length.
+/// RF-13: Oliveira's `i - c n` is no direction for c = -1 at normal incidence, and his constant for leaving, `-c / (1 +
+/// c)`, has a pole there. For any constant the direction must be a number of unit length.
 #[test]
 fn oliveiras_formula_never_gives_nan_whatever_its_constant() {
     let mut rng = Rng::new(61);

@@ -1,7 +1,7 @@
-//! Rays that leave a surface do not meet it again, and meet the next one however near it is.
+//! Rays that leave a surface do not hit it again, and hit the next one at any distance.
 //!
-//! Through whole pictures, since where a ray starts is the renderer's affair: a convex mirror's rays meet nothing, a
-//! body of the index around it is entered once and left once, and shadows change nothing on a convex body.
+//! Tested through whole pictures, since the renderer decides where a ray starts. A convex mirror's rays hit nothing. A
+//! body of the surrounding index is entered once and left once. Shadows change nothing on a convex body.
 
 use glam::{DVec3, Vec3};
 use vitrum::geometry::{Shape, TriMesh};
@@ -239,8 +239,8 @@ fn a_body_stretched_sheared_and_carried_away_by_its_scene_file_is_left_at_once()
     }
 }
 
-/// SI-06, RF-09: from glass in a bright room the reflected ray starts outside and the refracted one inside, whichever side
-/// it came from: no exit is unmatched, and what arrives and what was cut make the room's light.
+/// SI-06, RF-09: from glass in a bright room the reflected ray starts outside and the refracted one inside, for either
+/// side of arrival. No exit is unmatched, and arriving light plus truncated weight is the room's light.
 #[test]
 fn reflected_and_refracted_rays_start_on_their_own_sides() {
     let mut rng = Rng::new(54);

@@ -18,8 +18,8 @@ fn closed() -> Vec<TriMesh> {
     ]
 }
 
-/// RT-01, RT-02, RT-09, Embree #174 and #181: closed meshes at every scale and place, Embree's far one among them, let no
-/// ray out that is aimed exactly at a corner or at a point of an edge.
+/// RT-01, RT-02, RT-09, Embree #174 and #181: closed meshes at every scale and position, including Embree's far one.
+/// They let no ray out that is aimed exactly at a corner or at a point of an edge.
 #[test]
 fn no_ray_aimed_exactly_at_an_edge_or_a_corner_slips_out() {
     let mut rng = Rng::new(11);
@@ -71,7 +71,7 @@ fn a_corner_of_any_number_of_triangles_is_hit() {
     }
 }
 
-/// How often a ray from `origin` crosses the mesh, each hit being where the next interval begins.
+/// Counts how often a ray from `origin` crosses the mesh; each hit is the start of the next interval.
 fn crossings(held: &Held, ray: &Ray) -> usize {
     let mut ray = *ray;
     for n in 0..20 {
@@ -84,9 +84,9 @@ fn crossings(held: &Held, ray: &Ray) -> usize {
     panic!("{ray:?} never ends");
 }
 
-/// RT-03, Embree #188: a ray through a shared edge or corner of a convex mesh crosses it once from inside and an even
-/// number of times from outside, when each next interval begins at the last hit: both triangles of an edge give the
-/// same t.
+/// RT-03, Embree #188: a ray through a shared edge or corner of a convex mesh crosses it once from inside, and an even
+/// number of times from outside. Each next interval begins at the last hit, and both triangles of an edge give the same
+/// t.
 #[test]
 fn an_edge_counts_as_one_crossing() {
     let mut rng = Rng::new(13);
@@ -246,8 +246,8 @@ fn a_start_on_the_triangle_is_left_out_by_an_interval_from_zero() {
     }
 }
 
-/// RT-14: the products of edges of 1e-20 underflow in `f32`, so that every sign test passes at once; rays beside such a
-/// triangle by a fifth of its size still miss it, and those inside hit.
+/// RT-14: the products of edges of 1e-20 underflow in `f32`, so that every sign test passes at once. Rays beside such a
+/// triangle by a fifth of its size must still miss it, and rays inside must hit.
 #[test]
 fn a_triangle_too_small_for_products_is_not_hit_beside_it() {
     let mut rng = Rng::new(17);

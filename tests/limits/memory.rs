@@ -1,8 +1,8 @@
-//! Every command under limits on memory, over scenes of every loader: it ends with its result or with one line and exit code 4,
-//! and what has memory enough under a limit has it under every higher one.
+//! Every command under limits on memory, over scenes of every loader. Each run ends with its result, or with one line
+//! and exit code 4. A run that has enough memory under a limit has it under every higher one.
 //!
-//! `VITRUM_TEST_SCALE=100 cargo test --features embree --test command limits::memory` makes a thousand runs under `ulimit -v` and a
-//! thousand in a control group, instead of ten.
+//! `VITRUM_TEST_SCALE=100 cargo test --features embree --test command limits::memory` makes a thousand runs under
+//! `ulimit -v` and a thousand in a control group, instead of ten.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,5 +1,6 @@
-//! Limits that the system sets: memory, stacks, sizes of files. Whatever the limit, the program ends with its result, or with
-//! one line that says what was too large and the exit code of a limit; never by a signal, and never with half a file.
+//! Limits of the system: memory, stacks, sizes of files. Under any limit the program ends with its result, or with one
+//! line that names the excess and the exit code of a limit. It never ends by a signal, and never leaves an incomplete
+//! file.
 
 #![cfg(target_os = "linux")]
 
@@ -8,7 +9,7 @@ mod memory;
 use std::fmt::Write as _;
 use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
@@ -16,15 +17,13 @@ use vitrum::accel::Backend;
 use vitrum::error::Unavailable;
 use vitrum::image::{Bits, Encoding, Film, Format, encode};
 
+use crate::support::program::{names, program};
+
 const PICTURES: [(&str, Format); 4] =
     [("p0.png", Format::Png), ("p1.exr", Format::Exr), ("p2.hdr", Format::Hdr), ("p3.pfm", Format::Pfm)];
 
 const HEAD: &str = "[camera]\neye = [0, 1, 5]\ntarget = [0, 0.5, 0]\n[render]\nwidth = 40\nheight = 30\n\
                     [environment]\ntype = \"constant\"\ncolor = 0.5\n";
-
-fn program() -> PathBuf {
-    assert_cmd::cargo::cargo_bin("vitrum")
-}
 
 /// The program on a line of arguments, after shell commands that set its limits.
 fn under(folder: &Path, limits: &str, line: &str) -> Output {
@@ -36,13 +35,6 @@ fn under(folder: &Path, limits: &str, line: &str) -> Output {
         .stdin(Stdio::null())
         .output()
         .unwrap()
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
 }
 
 #[track_caller]

@@ -5,10 +5,6 @@ use std::path::Path;
 
 use super::support::notices_of;
 
-/// Kinds that a scene here may give rise to: a sample of its pixels may fall on either side of the threshold for missing
-/// light, and walls of different colours share the planes of their outer sides.
-const BORDERLINE: [&str; 2] = ["truncated-light", "coplanar-materials"];
-
 #[test]
 fn no_check_fires_on_the_scenes_of_the_project() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
@@ -20,8 +16,7 @@ fn no_check_fires_on_the_scenes_of_the_project() {
             if !name.ends_with(".toml") || (name.starts_with("sweep-") && name != "sweep-1k.toml") {
                 continue;
             }
-            let mut notices = notices_of(&file);
-            notices.retain(|notice| !BORDERLINE.contains(&notice.id));
+            let notices = notices_of(&file);
             assert!(notices.is_empty(), "{name}: {notices:?}");
             count += 1;
         }

@@ -27,6 +27,8 @@ shape = "sphere"
 material = "matt"
 "#;
 
+const LAMP: &str = "[[light]]\ntype = \"directional\"\ndirection = [0, -1, -1]\nintensity = 1\n";
+
 fn run(folder: &Folder, line: &str) -> Output {
     let mut command = Command::cargo_bin("vitrum").expect("the program is built");
     command.current_dir(folder.path("")).args(line.split_whitespace()).timeout(Duration::from_secs(120));
@@ -75,12 +77,11 @@ fn json_has_every_warning_as_text_and_every_notice_in_parts() {
 
 #[test]
 fn under_strict_each_is_an_error_and_no_picture_is_written() {
-    let lit = "[[light]]\ntype = \"directional\"\ndirection = [0, -1, -1]\nintensity = 1\n";
     let used = DARK.replace("[[material]]\nname = \"spare\"\ntype = \"diffuse\"\n", "");
     for (text, fault) in [
-        (DARK.to_owned() + lit, Some("the [[material]] `spare` is not used")),
+        (DARK.to_owned() + LAMP, Some("the [[material]] `spare` is not used")),
         (used.clone(), Some("no light reaches `ball`")),
-        (used + lit, None),
+        (lit_and_used(), None),
     ] {
         let folder = Folder::with(&[("a.toml", &text)]);
         for backend in ["native", "reference"] {
@@ -96,6 +97,28 @@ fn under_strict_each_is_an_error_and_no_picture_is_written() {
             }
         }
     }
+}
+
+#[test]
+fn under_strict_the_commands_that_make_no_picture_end_as_render_does() {
+    let dropped = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 9\n";
+    let folder = Folder::with(&[("a.toml", DARK), ("b.obj", dropped), ("c.toml", &lit_and_used())]);
+    for (file, code) in [("a.toml", 2), ("b.obj", 2), ("c.toml", 0)] {
+        let said = COMMANDS.map(|line| {
+            let line = line.replace("a.toml", file);
+            let output = run(&folder, &format!("{line} --strict"));
+            assert_eq!(output.status.code(), Some(code), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            text.lines().filter(|line| line.starts_with("error: ")).map(str::to_owned).collect::<Vec<_>>()
+        });
+        assert_eq!(said[0].len(), usize::from(code > 0), "{said:?}");
+        assert!(said.iter().all(|others| *others == said[0]), "{said:?}");
+    }
+}
+
+/// [`DARK`] without its faults.
+fn lit_and_used() -> String {
+    DARK.replace("[[material]]\nname = \"spare\"\ntype = \"diffuse\"\n", "") + LAMP
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the approximations cost where theory says so: tables worked out independently in 80-bit arithmetic.
+//! Errors of the approximations, against tables computed independently in 80-bit arithmetic.
 
 use super::oracle;
 use vitrum::math::{Vector3, ulp};

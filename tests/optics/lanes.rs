@@ -9,7 +9,7 @@ use vitrum::optics::{
 };
 use vitrum::simd::{F32x8, Mask8};
 
-/// What one lane is given: four vectors, five numbers and a boundary.
+/// Input of one lane: four vectors, five numbers and a boundary.
 #[derive(Clone, Copy, Debug)]
 struct Input {
     vectors: [Vector3<f32>; 4],

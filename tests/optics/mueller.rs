@@ -21,8 +21,8 @@ fn turned(turn: f64) -> PlaneOfIncidence<f64> {
     PlaneOfIncidence { s: Vector3::new(1.0, 0.0, 0.0), cos2, sin2 }
 }
 
-/// What unpolarised light is left with after two reflections at Brewster's angle, the second plane turned from the
-/// first.
+/// Returns the intensity of unpolarised light after two reflections at Brewster's angle, with the second plane turned
+/// from the first.
 fn two_brewster_mirrors(turn: f64) -> f64 {
     let mirror = face::<f64>(1.0, 1.5, (1.5_f64).atan().cos());
     let start = Diattenuation::none();
@@ -243,8 +243,8 @@ fn transmission_amplitudes(n1: f64, n2: f64, cos_i: f64, cos_t: f64) -> [Complex
     [Complex(s, 0.0), Complex(p, 0.0)]
 }
 
-/// What the camera sees of unpolarised light at the end of the path: the mean over two fields across each other, sent
-/// the way light goes.
+/// Returns the intensity that unpolarised light has at the end of the path: the mean over two perpendicular fields,
+/// sent in the direction of light.
 fn by_the_field(path: &[Passage]) -> f64 {
     let last = path.last().unwrap().behind;
     let x = any_across(last);

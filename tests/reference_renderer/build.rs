@@ -110,7 +110,7 @@ pub fn light(kind: LightKind, falloff: Falloff) -> Light {
     Light { name: String::new(), kind, intensity: Rgb::splat(3.0), falloff, shadows: true }
 }
 
-/// What a ray from an eye at `origin` towards `dir` (of any length) comes to, exact Fresnel.
+/// Traces a ray from an eye at `origin` towards `dir` (of any length), with exact Fresnel.
 pub fn trace(scene: &Scene, origin: [f64; 3], dir: [f64; 3]) -> Tally {
     let mut scene = scene.clone();
     scene.camera.eye = DVec3::from(origin).as_vec3();

@@ -22,7 +22,7 @@ fn point() -> LightKind {
     LightKind::Point { position: Vec3::new(3.0, 4.0, 0.0) }
 }
 
-/// What is seen of the floor at the origin, askew enough for the viewer to stand in no light's way.
+/// Returns the radiance of the floor at the origin, seen at an angle so that the viewer blocks no light.
 fn seen(scene: &Scene) -> f64 {
     radiance(scene, [0.0, 1.0, 2.0], [0.0, -1.0, -2.0])
 }
@@ -99,7 +99,7 @@ fn ambient_is_the_materials_factor_times_the_scenes_colour() {
 
 const UNSHADED: f64 = 0.5 * 3.0 * 0.8;
 
-/// What of the light reaches the floor through `shapes` between y = 1 and y = 2.
+/// Returns the share of the light that reaches the floor through `shapes` between y = 1 and y = 2.
 fn share(shapes: &[(vitrum::geometry::Shape, Material)], shadows: ShadowRule, air: f32) -> f64 {
     let mut scene = floor(point(), Falloff::None);
     scene.settings.shadows = shadows;

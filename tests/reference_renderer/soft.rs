@@ -17,7 +17,7 @@ fn floor(kind: LightKind, falloff: Falloff, side: u32) -> Scene {
     scene
 }
 
-/// What is seen of the floor at `x` and z = 0, from beside whatever stands on it.
+/// Returns the radiance of the floor at `x` and z = 0, seen from beside whatever stands on it.
 fn seen(scene: &Scene, x: f64) -> f64 {
     radiance(scene, [x, 0.5, 40.0], [0.0, -0.5, -40.0])
 }

@@ -1,5 +1,5 @@
-//! What the study compares is really different: for each choice two levels differ by what theory says, worked out here by
-//! hand; and wrong light is caught by the ledger.
+//! Choices that the study compares really differ: for each choice two levels differ by the theoretical amount, computed
+//! here by hand. The ledger detects wrong light.
 
 mod ledger;
 mod theory;

@@ -5,7 +5,7 @@ use vitrum::geometry::{Ray, TriMesh};
 
 use super::Rng;
 
-/// How many of something a test tries: `quick`, times `VITRUM_TEST_SCALE` where that is set.
+/// Returns the number of cases of a test: `quick`, times `VITRUM_TEST_SCALE` if that is set.
 pub fn count(quick: usize) -> usize {
     let factor = std::env::var("VITRUM_TEST_SCALE").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
     quick * factor

@@ -7,7 +7,7 @@ use vitrum::simd::Mask8;
 
 use super::{Rng, shapes};
 
-/// How an implementor answers for a list of rays, which share a mask: hits in order.
+/// Returns the closest hits of rays that share a mask, in order.
 pub fn closest<I: Intersector>(of: &I, rays: &[Ray]) -> Vec<Hit> {
     let packets = Ray8::pack(rays);
     let mut hits = vec![Hit8::default(); packets.len()];
@@ -15,7 +15,7 @@ pub fn closest<I: Intersector>(of: &I, rays: &[Ray]) -> Vec<Hit> {
     (0..rays.len()).map(|i| hits[i / 8].lane(i % 8)).collect()
 }
 
-/// Whether each of a list of rays, which share a mask, is blocked.
+/// Returns true for each occluded ray of a list that shares a mask.
 pub fn occluded<I: Intersector>(of: &I, rays: &[Ray]) -> Vec<bool> {
     let packets = Ray8::pack(rays);
     let mut blocked = vec![Mask8::NONE; packets.len()];
@@ -46,7 +46,7 @@ pub fn holds<I: Intersector>(build: impl Fn(&[Geometry]) -> I, exactly: bool) {
     }
 }
 
-/// Whether two hits are the same to the last bit, or else (not `exactly`) the same but for rounding.
+/// Returns true if two hits are equal to the last bit if `exactly`, else up to rounding.
 fn same(a: &Hit, b: &Hit, exactly: bool) -> bool {
     let near = |a: f32, b: f32, to: f32| (a - b).abs() <= to;
     let nearly = || a.id() == b.id() && near(a.t, b.t, 1e-5 * b.t) && near(a.u, b.u, 1e-3) && near(a.v, b.v, 1e-3);

@@ -8,6 +8,7 @@ pub mod contract;
 pub mod cracks;
 pub mod exact;
 pub mod kernels;
+pub mod program;
 pub mod random;
 pub mod scenes;
 pub mod shapes;

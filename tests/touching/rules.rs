@@ -2,8 +2,8 @@
 
 use super::{all_agree, all_are};
 
-/// A wall seen head-on in a uniform light, with the given materials and meshes at z = 0; the light shines at right angles
-/// from far away, so that a matt wall of albedo a sends a.
+/// Returns a scene of a wall seen head-on, with the given materials and meshes at z = 0. The light is uniform and
+/// perpendicular from far away, so that a matt wall of albedo a has radiance a.
 fn wall(materials: &str, meshes: &str) -> String {
     format!(
         r#"

@@ -9,8 +9,9 @@ pub const FILE_NAME: &str = "libembree4.so.4";
 const OWN_FOLDER: &str = ".embree";
 
 /// How to get what was not found: the end of every message that says so.
-pub const CURE: &str = "install it (Debian 13, Ubuntu 24.04 and later: apt-get install libembree4-4), or run \
-                        tests/get-embree, which needs no root; the native back end does without";
+pub const CURE: &str = "install it (Debian 13, Ubuntu 24.04 and later: apt-get install libembree4-4), name \
+                        its folder in EMBREE_DIR, or run tests/get-embree of Vitrum's sources, which needs no root; the \
+                        native back end does without";
 
 /// What to hand to the dynamic loader.
 #[derive(Clone, Debug, PartialEq, Eq)]

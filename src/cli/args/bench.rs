@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, value_parser};
 
-use super::BvhArg;
+use crate::accel::BuildQuality;
+use crate::cli::choice::levels;
+use crate::trial::RayKind;
 
 /// Time the back ends against each other on the same rays, or on whole pictures.
 #[derive(Debug, Args)]
@@ -45,8 +47,8 @@ pub(in crate::cli) struct BenchArgs {
     pub plot: Option<PathBuf>,
 
     /// How the native hierarchy is built; Embree's is MEDIUM [default: default]
-    #[arg(long, value_enum)]
-    pub bvh: Option<BvhArg>,
+    #[arg(long, value_parser = levels::<BuildQuality>())]
+    pub bvh: Option<BuildQuality>,
 
     /// Threads that trace and build [default: 1, then one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
@@ -61,8 +63,8 @@ pub(in crate::cli) struct BenchArgs {
     pub builds: u32,
 
     /// Kinds of rays [default: all]
-    #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',')]
-    pub rays: Vec<RaysArg>,
+    #[arg(long, value_parser = levels::<RayKind>(), value_name = "KIND,...", value_delimiter = ',')]
+    pub rays: Vec<RayKind>,
 
     /// Edge of the picture that the rays start from, in pixels; a multiple of 8
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(8..=8192), default_value_t = 1024)]
@@ -83,20 +85,4 @@ pub(in crate::cli) struct BenchArgs {
     /// No progress bar, no warnings and no table
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum RaysArg {
-    /// From the eye
-    Primary,
-    /// To a point light, any hit
-    Shadow,
-    /// Reflected
-    Mirror,
-    /// Into glass and out of it
-    Refracted,
-    /// Into the hemisphere by cosine
-    Diffuse,
-    /// The same, any hit nearby
-    DiffuseAny,
 }

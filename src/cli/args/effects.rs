@@ -2,6 +2,7 @@
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
+use crate::choice::Choice as _;
 use crate::effects::Effect;
 
 /// What was typed about effects.
@@ -17,7 +18,7 @@ const HEADING: &str = "Effects";
 
 impl FromArgMatches for EffectArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let no = Effect::ALL.iter().copied().filter(|e| matches.get_flag(e.flag())).collect();
+        let no = Effect::ALL.into_iter().filter(|e| matches.get_flag(e.name())).collect();
         Ok(Self { effects: matches.get_one::<String>("effects").cloned(), no })
     }
 
@@ -34,9 +35,10 @@ impl Args for EffectArgs {
                 "What the scene calls for, the same by code that knows everything, or these alone [default: auto]",
             );
         Effect::ALL.iter().fold(command.arg(choice), |command, effect| {
-            let help = format!("Leave it out: {}", effect.left_out());
-            let flag = Arg::new(effect.flag()).long(effect.flag()).action(ArgAction::SetTrue).help_heading(HEADING);
-            command.arg(flag.help(help))
+            // The parser keeps names for ever.
+            let long: &'static str = format!("no-{effect}").leak();
+            let flag = Arg::new(effect.name()).long(long).action(ArgAction::SetTrue);
+            command.arg(flag.help(effect.help()).help_heading(HEADING))
         })
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::EffectArgs;
+use super::{EffectArgs, StrictArg};
 
 /// Say which effects a scene calls for, and why; with --measure, what each is worth.
 #[derive(Debug, Args)]
@@ -43,6 +43,9 @@ pub(in crate::cli) struct ExplainArgs {
 
     #[command(flatten)]
     pub effects: EffectArgs,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]

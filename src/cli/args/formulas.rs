@@ -1,6 +1,9 @@
 //! `vitrum price --formulas`, as typed.
 
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, value_parser};
+
+use crate::cli::choice::levels;
+use crate::study::formulas::Kind;
 
 /// The options of `price --formulas`.
 #[derive(Debug, Args)]
@@ -11,8 +14,8 @@ pub(in crate::cli) struct FormulasArgs {
     pub formulas: bool,
 
     /// Which formulas [default: all]
-    #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',', requires = "formulas")]
-    pub of: Vec<KindArg>,
+    #[arg(long, value_parser = levels::<Kind>(), value_name = "KIND,...", value_delimiter = ',', requires = "formulas")]
+    pub of: Vec<Kind>,
 
     /// Rays drawn of each range
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(8..=10_000_000), default_value_t = 20_000,
@@ -26,18 +29,4 @@ pub(in crate::cli) struct FormulasArgs {
     /// Print comma-separated values
     #[arg(long, requires = "formulas", conflicts_with = "json")]
     pub csv: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum KindArg {
-    /// Refracted directions
-    Refraction,
-    /// Reflectances
-    Fresnel,
-    /// Mirrored directions
-    Reflection,
-    /// One over a number
-    Reciprocal,
-    /// Ray/triangle tests
-    Triangle,
 }

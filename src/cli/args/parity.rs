@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::BvhArg;
+use super::StrictArg;
+use crate::accel::BuildQuality;
+use crate::cli::choice::{about, levels};
 use crate::trial::shown::{self, Ray};
 
 /// Trace the same rays by every path and judge what differs.
@@ -45,13 +47,15 @@ pub(in crate::cli) struct ParityArgs {
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
     pub height: Option<u32>,
 
-    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
-    #[arg(long, value_enum)]
-    pub bvh: Option<BvhArg>,
+    #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>())]
+    pub bvh: Option<BuildQuality>,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]

@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
+use super::SettingsArgs;
 use super::numbers::{above_minus_one, not_negative};
-use super::{FresnelArg, RefractionArg, SettingsArgs, ShadowsArg};
 use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, about_with, levels};
+use crate::optics::{FresnelModel, RefractionModel};
+use crate::scene::ShadowRule;
 
 /// Show the tree of rays behind one pixel, in f32 and in f64.
 #[derive(Debug, Args)]
@@ -50,23 +53,20 @@ pub(in crate::cli) struct PixelArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
 
-    /// Formula that splits light at a surface
-    #[arg(long, value_enum, default_value_t = FresnelArg::Exact, help_heading = "Light")]
-    pub fresnel: FresnelArg,
+    #[arg(long, help = about::<FresnelModel>(), value_parser = levels::<FresnelModel>(), help_heading = "Light")]
+    pub fresnel: Option<FresnelModel>,
 
-    /// Formula that bends light at a surface
-    #[arg(long, value_enum, default_value_t = RefractionArg::Stable, help_heading = "Light")]
-    pub refraction: RefractionArg,
+    #[arg(long, help = about::<RefractionModel>(), value_parser = levels::<RefractionModel>(), help_heading = "Light")]
+    pub refraction: Option<RefractionModel>,
 
-    /// The constant of `--refraction oliveira`, above -1 [default: 0.6645, for glass]
+    /// Constant of `--refraction oliveira`; same as `--refraction oliveira=C`
     #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
     pub oliveira: Option<f64>,
 
-    /// What transparent surfaces do to shadows [default: as the scene says]
-    #[arg(long, value_enum, help_heading = "Light")]
-    pub shadows: Option<ShadowsArg>,
+    #[arg(long, help = about_with::<ShadowRule>("as in the scene"), value_parser = levels::<ShadowRule>(), help_heading = "Light")]
+    pub shadows: Option<ShadowRule>,
 
-    /// What traces the rays in f32 [default: embree where built in, else native]
+    /// Back end that traces rays in f32 [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
     pub backend: Option<Renderer>,
 }

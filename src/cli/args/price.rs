@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::builder::PossibleValuesParser;
 use clap::{Args, value_parser};
 
-use super::BvhArg;
 use super::formulas::FormulasArgs;
+use crate::accel::BuildQuality;
 use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, levels};
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
@@ -50,8 +50,8 @@ pub(in crate::cli) struct PriceArgs {
 
     /// Choices to study [default: all]
     #[arg(long, value_name = "AXIS,...", value_delimiter = ',',
-        value_parser = PossibleValuesParser::new(Axis::ALL.map(Axis::name)))]
-    pub axes: Vec<String>,
+        value_parser = levels::<Axis>())]
+    pub axes: Vec<Axis>,
 
     /// Size of the pictures [default: what the time limit bears, at most 76800 pixels]
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -65,9 +65,8 @@ pub(in crate::cli) struct PriceArgs {
     #[arg(long, value_enum)]
     pub backend: Option<Renderer>,
 
-    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
-    #[arg(long, value_enum)]
-    pub bvh: Option<BvhArg>,
+    #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>())]
+    pub bvh: Option<BuildQuality>,
 
     /// Timed runs of each variant at most
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 15)]

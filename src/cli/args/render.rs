@@ -3,11 +3,19 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, value_parser};
 
 use super::numbers::{above_minus_one, above_zero, bound, exposure};
-use super::{BvhArg, EffectArgs, FresnelArg, RefractionArg, SettingsArgs, ShadowsArg, price};
+use super::{EffectArgs, SettingsArgs, StrictArg, price};
+use crate::accel::BuildQuality;
+use crate::accel::walk::TriangleModel;
 use crate::cli::backend::Renderer;
+use crate::cli::choice::{about, about_with, levels};
+use crate::image::Bits;
+use crate::optics::{FresnelModel, RefractionModel};
+use crate::render::Reflection;
+use crate::scene::ShadowRule;
+use crate::simd::ReciprocalModel;
 use crate::study::Spheres;
 
 /// Render a scene file or an OBJ model to a picture.
@@ -38,9 +46,8 @@ pub(in crate::cli) struct RenderArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
 
-    /// Bits of a PNG's samples [default: 8]
-    #[arg(long, value_enum, help_heading = "Picture")]
-    pub bits: Option<BitsArg>,
+    #[arg(long, help = about::<Bits>(), value_parser = levels::<Bits>(), help_heading = "Picture")]
+    pub bits: Option<Bits>,
 
     /// Multiply all colours by 2 to the power EV
     #[arg(long, value_name = "EV", value_parser = exposure, allow_negative_numbers = true, help_heading = "Picture")]
@@ -51,25 +58,21 @@ pub(in crate::cli) struct RenderArgs {
         help_heading = "Light")]
     pub cutoff_error: Option<f32>,
 
-    /// Formula that splits light at a surface [default: exact]
-    #[arg(long, value_enum, help_heading = "Light")]
-    pub fresnel: Option<FresnelArg>,
+    #[arg(long, help = about::<FresnelModel>(), value_parser = levels::<FresnelModel>(), help_heading = "Light")]
+    pub fresnel: Option<FresnelModel>,
 
-    /// Formula that bends light at a surface [default: stable]
-    #[arg(long, value_enum, help_heading = "Light")]
-    pub refraction: Option<RefractionArg>,
+    #[arg(long, help = about::<RefractionModel>(), value_parser = levels::<RefractionModel>(), help_heading = "Light")]
+    pub refraction: Option<RefractionModel>,
 
-    /// The constant of `--refraction oliveira`, above -1 [default: 0.6645, for glass]
+    /// Constant of `--refraction oliveira`; same as `--refraction oliveira=C`
     #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
     pub oliveira: Option<f64>,
 
-    /// What becomes of light that surfaces reflect [default: traced]
-    #[arg(long, value_enum, help_heading = "Light")]
-    pub reflection: Option<ReflectionArg>,
+    #[arg(long, help = about::<Reflection>(), value_parser = levels::<Reflection>(), help_heading = "Light")]
+    pub reflection: Option<Reflection>,
 
-    /// What transparent surfaces do to shadows [default: as the scene says]
-    #[arg(long, value_enum, help_heading = "Light")]
-    pub shadows: Option<ShadowsArg>,
+    #[arg(long, help = about_with::<ShadowRule>("as in the scene"), value_parser = levels::<ShadowRule>(), help_heading = "Light")]
+    pub shadows: Option<ShadowRule>,
 
     /// Exact spheres, or as meshes of so many bands [default: exact]
     #[arg(long, value_name = "exact|BANDS", value_parser = spheres, help_heading = "Light")]
@@ -78,21 +81,18 @@ pub(in crate::cli) struct RenderArgs {
     #[command(flatten)]
     pub effects: EffectArgs,
 
-    /// What traces the rays [default: embree where built in, else native]
+    /// Back end that traces rays [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]
     pub backend: Option<Renderer>,
 
-    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
-    #[arg(long, value_enum, help_heading = "Machine")]
-    pub bvh: Option<BvhArg>,
+    #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>(), help_heading = "Machine")]
+    pub bvh: Option<BuildQuality>,
 
-    /// Ray/triangle test, by native's hierarchy one ray at a time: slow, to compare tests [default: the back end's own]
-    #[arg(long, value_enum, help_heading = "Machine")]
-    pub triangles: Option<TrianglesArg>,
+    #[arg(long, help = about_with::<TriangleModel>("the back end's own"), value_parser = levels::<TriangleModel>(), help_heading = "Machine")]
+    pub triangles: Option<TriangleModel>,
 
-    /// One over a number in the same walk; estimates differ between CPU makers [default: exact]
-    #[arg(long, value_enum, help_heading = "Machine")]
-    pub reciprocal: Option<ReciprocalArg>,
+    #[arg(long, help = about::<ReciprocalModel>(), value_parser = levels::<ReciprocalModel>(), help_heading = "Machine")]
+    pub reciprocal: Option<ReciprocalModel>,
 
     /// Render with the cheapest settings that keep every channel within E (1/512, 0.002) of f64; options given stay
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with_all = ["time_budget", "exposure"], help_heading = "Budget")]
@@ -111,9 +111,8 @@ pub(in crate::cli) struct RenderArgs {
         help_heading = "Machine")]
     pub tile: u32,
 
-    /// Make every warning, and everything dropped or clamped, an error
-    #[arg(long, help_heading = "Reports")]
-    pub strict: bool,
+    #[command(flatten, next_help_heading = "Reports")]
+    pub strict: StrictArg,
 
     /// Print the summary as JSON on standard output
     #[arg(long, help_heading = "Reports")]
@@ -122,49 +121,6 @@ pub(in crate::cli) struct RenderArgs {
     /// No progress bar, no warnings and no summary
     #[arg(short, long, help_heading = "Reports")]
     pub quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum BitsArg {
-    #[value(name = "8")]
-    Eight,
-    #[value(name = "16")]
-    Sixteen,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum ReflectionArg {
-    /// By rays
-    Traced,
-    /// Looked up in the environment, whatever stands between
-    Environment,
-    /// Left out, and counted as truncated weight
-    None,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum TrianglesArg {
-    /// Plane and signed areas, of the lecture notes
-    PlaneArea,
-    /// Möller and Trumbore
-    MollerTrumbore,
-    /// Plücker coordinates, as Embree's robust mode
-    Pluecker,
-    /// Woop, Benthin and Wald's, the renderer's own
-    #[value(alias = "woop")]
-    Watertight,
-    /// f32 with a bound on its error, f64 where that does not decide
-    Certified,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum ReciprocalArg {
-    /// True division
-    Exact,
-    /// The hardware's estimate and one Newton step
-    Newton,
-    /// The hardware's estimate
-    Estimate,
 }
 
 fn spheres(text: &str) -> Result<Spheres, String> {

@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, value_parser};
 
-use super::BvhArg;
+use super::StrictArg;
+use crate::accel::BuildQuality;
+use crate::cli::choice::{PathArg, about, levels};
+use crate::trial::verify::Group;
 
 /// Fire the hard cases of numerics at this machine, or at a scene.
 #[derive(Debug, Args)]
@@ -28,20 +31,22 @@ pub(in crate::cli) struct VerifyArgs {
     pub full: bool,
 
     /// Paths to try, side by side; embree is tried robust and fast
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "native")]
+    #[arg(long, value_parser = levels::<PathArg>(), value_delimiter = ',', default_value = "native")]
     pub backend: Vec<PathArg>,
 
-    /// How much work the hierarchy's build is worth; the picture is the same [default: default]
-    #[arg(long, value_enum)]
-    pub bvh: Option<BvhArg>,
+    #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>())]
+    pub bvh: Option<BuildQuality>,
 
     /// Groups to run [default: all]
-    #[arg(long, value_name = "NAME", value_enum, num_args = 1.., value_delimiter = ',')]
-    pub group: Vec<GroupArg>,
+    #[arg(long, value_name = "NAME", value_parser = levels::<Group>(), num_args = 1.., value_delimiter = ',')]
+    pub group: Vec<Group>,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// Print the result as JSON
     #[arg(long)]
@@ -50,38 +55,4 @@ pub(in crate::cli) struct VerifyArgs {
     /// Print nothing but errors; the exit code tells
     #[arg(short, long, conflicts_with = "json")]
     pub quiet: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum PathArg {
-    /// Our own eight-wide hierarchy
-    Native,
-    /// Embree, robust and fast, where built in
-    Embree,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(in crate::cli) enum GroupArg {
-    /// Rays out of closed meshes
-    Leaks,
-    /// Rays that meet what they leave
-    SelfHits,
-    /// Reflectance against the oracle
-    Fresnel,
-    /// Refracted directions against the oracle
-    Refraction,
-    /// Mirror directions against the oracle
-    Reflection,
-    /// Equal media, R + T = 1, one lane beside eight
-    Matched,
-    /// Spoilt lanes and other orders
-    Lanes,
-    /// Hits against testing everything
-    Traversal,
-    /// Trees over garbage
-    Builds,
-    /// Light after long chains of reflections
-    Chains,
-    /// Hits at the scene against the arbiter
-    Parity,
 }

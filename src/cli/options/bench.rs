@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::choices::quality;
 use super::refuse_input;
-use crate::cli::args::{BenchArgs, RaysArg};
+use crate::cli::args::BenchArgs;
 use crate::image::Destination;
 use crate::trial::{BenchPlan, Picture, RayKind};
 use crate::{Error, Result};
@@ -46,7 +45,7 @@ impl TryFrom<BenchArgs> for Bench {
             None if all == 1 => vec![1],
             None => vec![1, all],
         };
-        let named = |kind: &RayKind| args.rays.iter().any(|&r| kind_of(r) == *kind);
+        let named = |kind: &RayKind| args.rays.contains(kind);
         let of_a_sweep = |kind: &RayKind| matches!(kind, RayKind::Primary | RayKind::Diffuse);
         let asked = |kind: &RayKind| match args.rays.is_empty() {
             true => args.sweep.is_none() || of_a_sweep(kind),
@@ -60,7 +59,7 @@ impl TryFrom<BenchArgs> for Bench {
             frames: args.frames,
             plot,
             plan: BenchPlan {
-                bvh: quality(args.bvh),
+                bvh: args.bvh.unwrap_or_default(),
                 picture: Picture { edge: args.size, one_in: args.one_in },
                 kinds: RayKind::ALL.into_iter().filter(asked).collect(),
                 threads,
@@ -73,16 +72,5 @@ impl TryFrom<BenchArgs> for Bench {
             html,
             quiet: args.quiet,
         })
-    }
-}
-
-fn kind_of(arg: RaysArg) -> RayKind {
-    match arg {
-        RaysArg::Primary => RayKind::Primary,
-        RaysArg::Shadow => RayKind::Shadow,
-        RaysArg::Mirror => RayKind::Mirror,
-        RaysArg::Refracted => RayKind::Refracted,
-        RaysArg::Diffuse => RayKind::Diffuse,
-        RaysArg::DiffuseAny => RayKind::DiffuseAny,
     }
 }

@@ -18,8 +18,7 @@ pub(in crate::cli) fn effects(args: &EffectArgs) -> Result<Options> {
             let listed: EffectSet = list.split(',').map(|name| named(name.trim())).collect::<Result<_>>()?;
             if let Some(both) = listed.intersection(without).iter().next() {
                 return Err(Error::Usage(format!(
-                    "--effects {both} and --{} contradict each other; leave one out",
-                    both.flag()
+                    "--effects {both} and --no-{both} contradict each other; leave one out"
                 )));
             }
             without = listed.complement();

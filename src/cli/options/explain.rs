@@ -14,6 +14,8 @@ pub(in crate::cli) struct Explain {
     pub rounds: Option<usize>,
     pub picture: SmallPicture,
     pub options: render::Options,
+    /// Warnings are errors.
+    pub strict: bool,
     pub json: bool,
     pub quiet: bool,
 }
@@ -32,6 +34,7 @@ impl TryFrom<ExplainArgs> for Explain {
             rounds: args.measure.then_some(args.rounds as usize),
             picture: SmallPicture { width: args.width, height: args.height },
             options,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         })

@@ -1,7 +1,7 @@
 //! `vitrum price --formulas`, checked.
 
 use super::choices::no_hierarchy;
-use crate::cli::args::{KindArg, PriceArgs};
+use crate::cli::args::PriceArgs;
 use crate::study::formulas::{Kind, Plan};
 use crate::{Error, Result};
 
@@ -20,18 +20,8 @@ impl TryFrom<PriceArgs> for Formulas {
         if bvh.is_some() {
             return Err(no_hierarchy("formulas have"));
         }
-        let asked = |kind: &Kind| args.of.is_empty() || args.of.iter().any(|&k| kind_of(k) == *kind);
+        let asked = |kind: &Kind| args.of.is_empty() || args.of.contains(kind);
         let kinds = Kind::ALL.into_iter().filter(asked).collect();
         Ok(Self { plan: Plan { count: args.count as usize, time: !args.untimed, kinds }, csv: args.csv, json })
-    }
-}
-
-fn kind_of(arg: KindArg) -> Kind {
-    match arg {
-        KindArg::Refraction => Kind::Refraction,
-        KindArg::Fresnel => Kind::Fresnel,
-        KindArg::Reflection => Kind::Reflection,
-        KindArg::Reciprocal => Kind::Reciprocal,
-        KindArg::Triangle => Kind::Triangle,
     }
 }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::SmallPicture;
-use super::choices::quality;
 use crate::accel::BuildQuality;
 use crate::cli::args::ParityArgs;
 use crate::trial::shown::Ray;
@@ -20,6 +19,8 @@ pub(in crate::cli) struct Parity {
     pub bvh: BuildQuality,
     /// 0 is one a processor.
     pub threads: usize,
+    /// Warnings are errors.
+    pub strict: bool,
     pub json: bool,
     pub quiet: bool,
 }
@@ -31,8 +32,9 @@ impl From<ParityArgs> for Parity {
             rays: args.rays as usize,
             ray: args.ray,
             picture: SmallPicture { width: args.width, height: args.height },
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             threads: args.threads.unwrap_or(0) as usize,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         }

@@ -1,6 +1,6 @@
 //! What becomes of the settings that a scene gives its picture.
 
-use crate::cli::args::{SettingsArgs, ShadowsArg};
+use crate::cli::args::SettingsArgs;
 use crate::image::MOST_PIXELS;
 use crate::scene::{Settings, ShadowRule};
 use crate::{Error, Result};
@@ -19,9 +19,9 @@ pub(in crate::cli) struct Overrides {
 
 impl Overrides {
     /// As typed.
-    pub fn new(args: SettingsArgs, shadows: Option<ShadowsArg>) -> Self {
+    pub fn new(args: SettingsArgs, shadows: Option<ShadowRule>) -> Self {
         let SettingsArgs { width, height, samples, depth, cutoff, wavelengths } = args;
-        Self { width, height, samples, depth, cutoff, shadows: shadows.map(Into::into), wavelengths }
+        Self { width, height, samples, depth, cutoff, shadows, wavelengths }
     }
 
     /// Replaces what was given.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::choices::oliveira;
+use super::choices::refraction;
 use super::{Overrides, refuse_input};
 use crate::accel::Backend;
 use crate::cli::args::PixelArgs;
@@ -55,9 +55,8 @@ impl TryFrom<PixelArgs> for Pixel {
             overrides: Overrides::new(args.settings, args.shadows),
             backend,
             options: render::Options {
-                fresnel: args.fresnel.into(),
-                refraction: args.refraction.into(),
-                oliveira: oliveira(args.refraction, args.oliveira)?,
+                fresnel: args.fresnel.unwrap_or_default(),
+                refraction: refraction(args.refraction, args.oliveira)?,
                 threads: 1,
                 ..render::Options::default()
             },

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::super::args::PriceArgs;
-use super::choices::quality;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::backend::Renderer;
 use crate::study::Axis;
@@ -53,11 +52,7 @@ impl TryFrom<PriceArgs> for Price {
         if folder.exists() && !folder.is_dir() {
             return Err(Error::Usage(format!("-o {}: is a file; name a folder", folder.display())));
         }
-        let axes = if args.axes.is_empty() {
-            Axis::ALL.to_vec()
-        } else {
-            args.axes.iter().filter_map(|name| Axis::named(name)).collect()
-        };
+        let axes = if args.axes.is_empty() { Axis::ALL.to_vec() } else { args.axes };
         Ok(Self {
             scene,
             folder,
@@ -66,7 +61,7 @@ impl TryFrom<PriceArgs> for Price {
             size: args.size,
             samples: args.samples,
             backend,
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             runs: args.runs as usize,
             threads: args.threads.unwrap_or(0) as usize,
             combine: !args.single,

@@ -2,17 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use super::choices::{no_hierarchy, oliveira, quality};
+use super::choices::{no_hierarchy, refraction};
 use super::{Overrides, effects, format_of, refuse_input};
 use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::{
-    BitsArg, FresnelArg, ReciprocalArg, ReflectionArg, RefractionArg, RenderArgs, ShadowsArg, TrianglesArg,
-};
+use crate::cli::args::RenderArgs;
 use crate::cli::backend::Renderer;
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
-use crate::simd::ReciprocalModel;
+use crate::optics::RefractionModel;
+use crate::scene::ShadowRule;
 use crate::study::budget::Wish;
 use crate::study::{Axis, Spheres};
 use crate::{Error, Result, render};
@@ -60,9 +59,9 @@ impl TryFrom<RenderArgs> for Render {
 
     fn try_from(args: RenderArgs) -> Result<Self> {
         let effects = effects::effects(&args.effects)?;
-        let bent = args.refraction.is_some_and(|r| r != RefractionArg::Stable).then_some("--refraction");
+        let bent = args.refraction.is_some_and(|r| r != RefractionModel::Stable).then_some("--refraction");
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
-        let straight = matches!(args.shadows, Some(ShadowsArg::Straight)).then_some("--shadows straight");
+        let straight = matches!(args.shadows, Some(ShadowRule::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
         let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
@@ -104,40 +103,31 @@ impl TryFrom<RenderArgs> for Render {
         }
         if let (Some(_), Some(left_out)) = (wish, effects.without.iter().next()) {
             return Err(Error::Usage(format!(
-                "--{}: a budget is for the whole of a scene's effects; leave it out, or --max-error and --time-budget",
-                left_out.flag()
+                "--no-{left_out}: a budget is for the whole of a scene's effects; leave it out, or --max-error and --time-budget"
             )));
         }
         Ok(Self {
             scene: args.scene,
             output,
             format,
-            bits: match args.bits {
-                None | Some(BitsArg::Eight) => Bits::Eight,
-                Some(BitsArg::Sixteen) => Bits::Sixteen,
-            },
+            bits: args.bits.unwrap_or_default(),
             exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
             overrides: Overrides::new(args.settings, args.shadows),
             spheres: args.spheres.unwrap_or(Spheres::Exact),
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
             backend,
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             options: render::Options {
-                fresnel: args.fresnel.unwrap_or(FresnelArg::Exact).into(),
-                refraction: args.refraction.unwrap_or(RefractionArg::Stable).into(),
-                oliveira: oliveira(args.refraction.unwrap_or(RefractionArg::Stable), args.oliveira)?,
-                reflection: match args.reflection {
-                    None | Some(ReflectionArg::Traced) => render::Reflection::Traced,
-                    Some(ReflectionArg::Environment) => render::Reflection::Environment,
-                    Some(ReflectionArg::None) => render::Reflection::None,
-                },
+                fresnel: args.fresnel.unwrap_or_default(),
+                refraction: refraction(args.refraction, args.oliveira)?,
+                reflection: args.reflection.unwrap_or_default(),
                 effects,
                 cutoff_error: args.cutoff_error,
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
-            strict: args.strict,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         })
@@ -161,30 +151,8 @@ fn backend(args: &RenderArgs) -> Result<Renderer> {
             given.name()
         )));
     }
-    let triangles = args.triangles.map_or(TriangleModel::Watertight, Into::into);
-    Ok(Renderer::Walk(triangles, args.reciprocal.map_or(ReciprocalModel::Exact, Into::into)))
-}
-
-impl From<TrianglesArg> for TriangleModel {
-    fn from(arg: TrianglesArg) -> Self {
-        match arg {
-            TrianglesArg::PlaneArea => Self::PlaneArea,
-            TrianglesArg::MollerTrumbore => Self::MollerTrumbore,
-            TrianglesArg::Pluecker => Self::Pluecker,
-            TrianglesArg::Watertight => Self::Watertight,
-            TrianglesArg::Certified => Self::Certified,
-        }
-    }
-}
-
-impl From<ReciprocalArg> for ReciprocalModel {
-    fn from(arg: ReciprocalArg) -> Self {
-        match arg {
-            ReciprocalArg::Exact => Self::Exact,
-            ReciprocalArg::Newton => Self::Newton,
-            ReciprocalArg::Estimate => Self::Estimate,
-        }
-    }
+    let triangles = args.triangles.unwrap_or(TriangleModel::Watertight);
+    Ok(Renderer::Walk(triangles, args.reciprocal.unwrap_or_default()))
 }
 
 /// The scene's name with `.png`, in the current folder.

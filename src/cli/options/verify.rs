@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::choices::{no_hierarchy, quality};
+use super::choices::no_hierarchy;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::{GroupArg, PathArg, VerifyArgs};
+use crate::cli::args::VerifyArgs;
+use crate::cli::choice::PathArg;
 use crate::error::{Error, Result, Unavailable};
 use crate::trial::verify::{self, Group};
 
@@ -20,6 +21,8 @@ pub(in crate::cli) struct Verify {
     pub bvh: BuildQuality,
     /// Worker threads; 0 is one a processor.
     pub threads: usize,
+    /// Warnings are errors.
+    pub strict: bool,
     pub json: bool,
     pub quiet: bool,
 }
@@ -32,9 +35,9 @@ impl TryFrom<VerifyArgs> for Verify {
         if embree && !Backend::Embree.is_compiled_in() {
             return Err(Unavailable::NotCompiledIn.into());
         }
-        let known: &[Group] = if args.scene.is_some() { &Group::OF_SCENE } else { &Group::ALL };
+        let known: &[Group] = if args.scene.is_some() { &Group::OF_SCENE } else { &Group::OF_NO_SCENE };
         let mut groups: Vec<Group> = Vec::new();
-        for group in args.group.into_iter().map(Group::from) {
+        for group in args.group {
             if !known.contains(&group) {
                 let names: Vec<&str> = known.iter().map(|g| g.name()).collect();
                 let what = if args.scene.is_some() { "a scene" } else { "no scene" };
@@ -59,28 +62,11 @@ impl TryFrom<VerifyArgs> for Verify {
             plan: verify::Plan { groups, full: args.full, rays: None },
             native: args.backend.contains(&PathArg::Native),
             embree,
-            bvh: quality(args.bvh),
+            bvh: args.bvh.unwrap_or_default(),
             threads: args.threads.unwrap_or(0) as usize,
+            strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
         })
-    }
-}
-
-impl From<GroupArg> for Group {
-    fn from(arg: GroupArg) -> Self {
-        match arg {
-            GroupArg::Leaks => Self::Leaks,
-            GroupArg::SelfHits => Self::SelfHits,
-            GroupArg::Fresnel => Self::Fresnel,
-            GroupArg::Refraction => Self::Refraction,
-            GroupArg::Reflection => Self::Reflection,
-            GroupArg::Matched => Self::Matched,
-            GroupArg::Lanes => Self::Lanes,
-            GroupArg::Traversal => Self::Traversal,
-            GroupArg::Builds => Self::Builds,
-            GroupArg::Chains => Self::Chains,
-            GroupArg::Parity => Self::Parity,
-        }
     }
 }

@@ -12,7 +12,6 @@ use super::options::Parity;
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress, view};
 use crate::accel::reference::Reference;
-use crate::load::{self, LoadOptions, Loaded};
 use crate::optics::FresnelModel;
 use crate::render::reference::Prepared;
 use crate::render::{self, Observer};
@@ -29,8 +28,7 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     interrupt::listen(&observer)?;
     let options = render::Options { threads: job.threads, ..render::Options::default() };
     backend::start_threads(&options)?;
-    let Loaded { mut scene, report } = load::scene(&job.scene, &LoadOptions::default())?;
-    let warnings = Warnings::survey(&job.scene, &mut scene, &report, &options, &observer)?;
+    let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     // The middle of a pixel alone, so that its value belongs to one ray.
     scene.settings.samples = 1;

@@ -24,8 +24,6 @@ use crate::simd::Reciprocal;
 pub struct Certified;
 
 impl TriangleTest for Certified {
-    const NAME: &'static str = "certified";
-
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]

@@ -48,9 +48,6 @@ pub struct Meeting<R: Real> {
 
 /// A ray/triangle test.
 pub trait TriangleTest: Copy + Send + Sync + 'static {
-    /// The name in tables and on the command line.
-    const NAME: &'static str;
-
     /// A ray prepared for the test.
     type Ray<R: Lanes>: Copy;
 
@@ -73,36 +70,19 @@ pub trait TriangleTest: Copy + Send + Sync + 'static {
     }
 }
 
-/// A triangle test selected at run time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TriangleModel {
-    /// [`PlaneArea`].
-    PlaneArea,
-    /// [`MollerTrumbore`].
-    MollerTrumbore,
-    /// [`Pluecker`].
-    Pluecker,
-    /// [`Watertight`].
-    Watertight,
-    /// [`Certified`].
-    Certified,
-}
-
-impl TriangleModel {
-    /// All tests, those with the weakest guarantee first.
-    pub const ALL: [Self; 5] =
-        [Self::PlaneArea, Self::MollerTrumbore, Self::Pluecker, Self::Watertight, Self::Certified];
-
-    /// The name in tables and on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PlaneArea => PlaneArea::NAME,
-            Self::MollerTrumbore => MollerTrumbore::NAME,
-            Self::Pluecker => Pluecker::NAME,
-            Self::Watertight => Watertight::NAME,
-            Self::Certified => Certified::NAME,
-        }
+crate::choice! {
+    /// Ray/triangle test of the walk with one ray at a time.
+    pub enum TriangleModel("triangles", derive(Eq, Hash), visitor(TriangleVisitor, TriangleTest)) {
+        /// Plane and signed areas, from the lecture notes.
+        "plane-area" => PlaneArea by PlaneArea,
+        /// Test of Möller and Trumbore.
+        "moller-trumbore" => MollerTrumbore by MollerTrumbore,
+        /// Plücker coordinates, as in Embree's robust mode.
+        "pluecker" => Pluecker by Pluecker,
+        /// Watertight test of Woop, Benthin and Wald, as in the native back end.
+        "watertight" | "woop" => Watertight by Watertight,
+        /// f32 with a bound on its error, and f64 where that does not decide.
+        "certified" => Certified by Certified,
     }
 }
 

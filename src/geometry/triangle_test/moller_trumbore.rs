@@ -15,8 +15,6 @@ use crate::simd::Reciprocal;
 pub struct MollerTrumbore;
 
 impl TriangleTest for MollerTrumbore {
-    const NAME: &'static str = "moller-trumbore";
-
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]

@@ -21,8 +21,6 @@ use crate::simd::Reciprocal;
 pub struct PlaneArea;
 
 impl TriangleTest for PlaneArea {
-    const NAME: &'static str = "plane-area";
-
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]

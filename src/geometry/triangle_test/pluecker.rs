@@ -17,8 +17,6 @@ use crate::simd::Reciprocal;
 pub struct Pluecker;
 
 impl TriangleTest for Pluecker {
-    const NAME: &'static str = "pluecker";
-
     type Ray<R: Lanes> = (Vector3<R>, Vector3<R>);
 
     #[inline(always)]

@@ -24,8 +24,6 @@ pub struct WatertightRay<R: Real> {
 }
 
 impl TriangleTest for Watertight {
-    const NAME: &'static str = "watertight";
-
     type Ray<R: Lanes> = WatertightRay<R>;
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The notes' three algebraic forms. They are equal in exact arithmetic and, but near index ratio 1, in rounding.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula, RefractionModel};
+use super::{Boundary, Crossing, Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
 
 /// Heckbert's method, as the slides on reflection and refraction rays derive it:
@@ -15,8 +15,6 @@ use crate::math::{Real, Vector3};
 pub struct Heckbert;
 
 impl RefractionFormula for Heckbert {
-    const MODEL: RefractionModel = RefractionModel::Heckbert;
-
     #[inline(always)]
     fn refract<R: Real>(
         self,
@@ -42,8 +40,6 @@ impl RefractionFormula for Heckbert {
 pub struct Bec;
 
 impl RefractionFormula for Bec {
-    const MODEL: RefractionModel = RefractionModel::Bec;
-
     #[inline(always)]
     fn refract<R: Real>(
         self,
@@ -72,8 +68,6 @@ impl RefractionFormula for Bec {
 pub struct SlidesVector;
 
 impl RefractionFormula for SlidesVector {
-    const MODEL: RefractionModel = RefractionModel::SlidesVector;
-
     #[inline(always)]
     fn refract<R: Real>(
         self,

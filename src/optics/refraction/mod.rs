@@ -15,24 +15,27 @@ pub use trigonometric::Trigonometric;
 use super::{Boundary, Crossing};
 use crate::math::{LaneMask, Real, Vector3};
 
-/// The choice between the formulas, where it is still data.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum RefractionModel {
-    /// `eta (i + kc / (cos_i + b) n)`: see [`Stable`].
-    #[default]
-    Stable,
-    /// Snell's law with arc cosine and arc sine: see [`Trigonometric`].
-    Trigonometric,
-    /// Heckbert's method: see [`Heckbert`].
-    Heckbert,
-    /// Bec's method: see [`Bec`].
-    Bec,
-    /// The slides' vector form: see [`SlidesVector`].
-    SlidesVector,
-    /// Oliveira's approximation: see [`Oliveira`].
-    Oliveira,
-    /// No bending at all: see [`StraightThrough`].
-    StraightThrough,
+crate::choice! {
+    /// Formula for the direction of refracted light.
+    ///
+    /// A formula is its file in this folder and its line in this list. The renderers, the command line, reports and the studies take it
+    /// from here.
+    pub enum RefractionModel("refraction", default(Stable), visitor(RefractionVisitor, RefractionFormula)) {
+        /// No refraction: light goes straight on.
+        "straight" => StraightThrough by StraightThrough,
+        /// Oliveira's approximation.
+        "oliveira" => Oliveira(formula: Oliveira = Oliveira::GLASS) by formula,
+        /// Snell's law by Bec's method.
+        "bec" => Bec by Bec,
+        /// Snell's law by Heckbert's method.
+        "heckbert" => Heckbert by Heckbert,
+        /// Snell's law in the vector form of the lighting slides.
+        "slides" => SlidesVector by SlidesVector,
+        /// Snell's law by arc sine and arc cosine.
+        "trigonometric" => Trigonometric by Trigonometric,
+        /// Snell's law in a form without cancellation at any ratio of indices.
+        "stable" => Stable by Stable,
+    }
 }
 
 /// A refracted direction, where there is one.
@@ -46,10 +49,14 @@ pub struct Refracted<R: Real> {
     pub total: R::Mask,
 }
 
-/// The choice between the formulas as a type. All but [`Oliveira`] are unit types.
-pub trait RefractionFormula: Copy + Send + Sync + 'static {
-    /// The data form of this choice.
-    const MODEL: RefractionModel;
+/// Refraction formula as a type, so that a shading stage is compiled for it and holds no branch.
+pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
+    /// The formula of `model`, where it is one of this type.
+    #[must_use]
+    fn of(model: RefractionModel) -> Self {
+        let _ = model;
+        Self::default()
+    }
 
     /// The refracted direction of `incident` at `normal`, of which `at` is `boundary.cross(-(incident . normal))`. The
     /// notes' formulas take only the cosine from it, so that their own square root is part of their price.
@@ -70,8 +77,6 @@ pub trait RefractionFormula: Copy + Send + Sync + 'static {
 pub struct Stable;
 
 impl RefractionFormula for Stable {
-    const MODEL: RefractionModel = RefractionModel::Stable;
-
     #[inline(always)]
     fn refract<R: Real>(
         self,
@@ -89,8 +94,6 @@ impl RefractionFormula for Stable {
 pub struct StraightThrough;
 
 impl RefractionFormula for StraightThrough {
-    const MODEL: RefractionModel = RefractionModel::StraightThrough;
-
     #[inline(always)]
     fn refract<R: Real>(
         self,

@@ -1,6 +1,7 @@
 //! Refraction by a vector sum.
 
 use super::{Boundary, Crossing, Refracted, RefractionFormula, RefractionModel};
+use crate::choice::Constant;
 use crate::math::{Real, Vector3};
 
 /// Oliveira's approximation, as the textbook section has it (equation 6.28): `t = i - c n`, normalised, with a
@@ -34,8 +35,29 @@ impl Oliveira {
     }
 }
 
+impl Default for Oliveira {
+    fn default() -> Self {
+        Self::GLASS
+    }
+}
+
+impl Constant for Oliveira {
+    const RANGE: &'static str = "a finite number above -1";
+    const NOTED: &'static [Self] = &[Self::AS_PRINTED, Self::WATER, Self::GLASS];
+
+    fn number(self) -> f64 {
+        self.c
+    }
+
+    fn of(c: f64) -> Option<Self> {
+        (c > -1.0 && c.is_finite()).then_some(Self { c })
+    }
+}
+
 impl RefractionFormula for Oliveira {
-    const MODEL: RefractionModel = RefractionModel::Oliveira;
+    fn of(model: RefractionModel) -> Self {
+        if let RefractionModel::Oliveira(formula) = model { formula } else { Self::default() }
+    }
 
     #[inline(always)]
     fn refract<R: Real>(

@@ -1,6 +1,6 @@
 //! Refraction by the angles themselves.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula, RefractionModel};
+use super::{Boundary, Crossing, Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
 
 /// Snell's law with angles, as both sets of slides begin: `th1 = acos(-(i . n))`, `th2 = asin(eta sin(th1))`,
@@ -16,8 +16,6 @@ use crate::math::{Real, Vector3};
 pub struct Trigonometric;
 
 impl RefractionFormula for Trigonometric {
-    const MODEL: RefractionModel = RefractionModel::Trigonometric;
-
     #[inline(always)]
     fn refract<R: Real>(
         self,

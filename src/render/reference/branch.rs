@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::media::MediumStack;
-use super::split::Way;
+use super::split::Lobe;
 use super::trace::{Arrival, Branch, Pending, Tracer};
 use crate::render::budget::{Division, divide};
 use crate::render::record::{Cut, Recorder};
@@ -11,8 +11,8 @@ use crate::render::{Limit, RayKind};
 
 impl<L: Recorder> Tracer<'_, '_, L> {
     /// Adds a secondary ray of the arriving wavelength.
-    pub fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, way: Way, stack: MediumStack) {
-        self.send_coloured(at, kind, dir, way, stack, at.ray.nm);
+    pub fn send(&mut self, at: &Arrival, kind: RayKind, dir: DVec3, lobe: Lobe, stack: MediumStack) {
+        self.send_coloured(at, kind, dir, lobe, stack, at.ray.nm);
     }
 
     /// Adds a secondary ray.
@@ -21,13 +21,13 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         at: &Arrival,
         kind: RayKind,
         dir: DVec3,
-        way: Way,
+        lobe: Lobe,
         stack: MediumStack,
         nm: Option<f64>,
     ) {
-        let weight = at.ray.weight * way.share;
+        let weight = at.ray.weight * lobe.share;
         if weight != DVec3::ZERO {
-            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation: way.polarisation });
+            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation: lobe.polarisation });
         }
     }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::media::MediumStack;
-use super::split::{Way, Ways, at_boundary};
+use super::split::{Lobe, Lobes, at_boundary};
 use super::trace::{Arrival, Tracer};
 use crate::math::Vector3;
 use crate::optics::{Boundary, Crossing, SEPARATION};
@@ -58,11 +58,11 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                 ..Split::OPAQUE
             },
         );
-        self.reflected(at, Way { share: reflected, polarisation: None });
+        self.reflected(at, Lobe { share: reflected, polarisation: None });
         for band in bands.iter().filter(|b| b.refracted.is_some()) {
             let passing = band.weight * (DVec3::ONE - band.reflected) * boundary.tint;
-            let way = Way { share: passing, polarisation: None };
-            self.refracted(at, &band.boundary, &band.crossing, way, boundary.beyond.clone(), Some(band.nm));
+            let lobe = Lobe { share: passing, polarisation: None };
+            self.refracted(at, &band.boundary, &band.crossing, lobe, boundary.beyond.clone(), Some(band.nm));
         }
         true
     }
@@ -72,12 +72,12 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let index = |medium: u32| self.prepared.scene.media[medium as usize].index_at(nm);
         let boundary = Boundary::new(index(part.from), index(part.to));
         let crossing = boundary.cross(at.cos_i);
-        let Ways { back, .. } = at_boundary(self.prepared.fresnel, part.rule, &boundary, &crossing, None);
+        let Lobes { reflection, .. } = at_boundary(self.prepared.fresnel, part.rule, &boundary, &crossing, None);
         let dir: Vector3<f64> = boundary.refract(at.ray.dir.into(), at.shading.into(), &crossing);
         Band {
             nm,
             weight: DVec3::from(self.bands.weight[k].map(f64::from)),
-            reflected: back.share,
+            reflected: reflection.share,
             refracted: (!crossing.total).then(|| dir.into()),
             boundary,
             crossing,

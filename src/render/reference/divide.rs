@@ -3,13 +3,12 @@
 use glam::DVec3;
 
 use super::disperse::Dispersing;
-use super::media::{MediumStack, Meeting};
-use super::split::{Way, Ways, at_boundary, at_metal, at_mirror, at_pane};
+use super::media::{MediumStack, Transition};
+use super::split::{Lobe, Lobes, at_boundary, at_metal, at_mirror, at_pane};
 use super::trace::{Arrival, Tracer};
 use super::{Prepared, colour};
 use crate::optics::{
-    Bec, Boundary, Crossing, Heckbert, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
-    StraightThrough, Trigonometric, below_surface,
+    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface,
 };
 use crate::render::record::{Recorder, Source, Split};
 use crate::render::{Limit, RayKind, Reflection};
@@ -22,7 +21,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
     }
 
     /// Shades the surface: contributions and secondary rays, by the table of shares in `scene/material.rs`.
-    pub fn meet(&mut self, at: &Arrival, meeting: Option<Meeting>) {
+    pub fn shade(&mut self, at: &Arrival, transition: Option<Transition>) {
         let prepared = self.prepared;
         let one = DVec3::ONE;
         let nm = at.ray.nm;
@@ -45,13 +44,13 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                 self.base(at, one);
                 // A metal's index is relative to the medium in front of it.
                 let (eta, k) = (eta.as_dvec3() / here(), k.as_dvec3() / here());
-                let way = at_metal(prepared.fresnel, at.cos_i, eta, k, at.before);
-                self.split(at, Split { reflected: way.share, absorbed: one - way.share, ..Split::OPAQUE });
-                self.reflected(at, way);
+                let lobe = at_metal(prepared.fresnel, at.cos_i, eta, k, at.before);
+                self.split(at, Split { reflected: lobe.share, absorbed: one - lobe.share, ..Split::OPAQUE });
+                self.reflected(at, lobe);
             }
             Interface::Dielectric { rule, tint, .. } => {
                 self.base(at, one);
-                let Some(Meeting::Boundary { from, to, beyond, .. }) = meeting else { return };
+                let Some(Transition::Boundary { from, to, beyond, .. }) = transition else { return };
                 let tint = tint.as_dvec3();
                 if self.disperse(at, &Dispersing { from, to, beyond: beyond.clone(), rule, tint }) {
                     return;
@@ -62,8 +61,9 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                     self.tally.end(Limit::Asked, at.ray.weight);
                     return;
                 }
-                let Ways { back, on } = at_boundary(prepared.fresnel, rule, &boundary, &crossing, at.before);
-                let through = if crossing.total { DVec3::ZERO } else { on.share };
+                let Lobes { reflection, transmission } =
+                    at_boundary(prepared.fresnel, rule, &boundary, &crossing, at.before);
+                let through = if crossing.total { DVec3::ZERO } else { transmission.share };
                 let transmitted = through * tint;
                 let Refracted { direction, total } = prepared.refract(&boundary, at, &crossing);
                 let bent = (!crossing.total && !total).then(|| match prepared.refraction {
@@ -76,61 +76,62 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                         indices: Some((prepared.ior(from, nm), prepared.ior(to, nm))),
                         cos_t: bent,
                         total: crossing.total,
-                        reflected: back.share,
+                        reflected: reflection.share,
                         transmitted,
                         absorbed: through * (one - tint),
                     },
                 );
-                self.reflected(at, back);
+                self.reflected(at, reflection);
                 if !crossing.total {
-                    let way = Way { share: transmitted, ..on };
-                    self.refracted(at, &boundary, &crossing, way, beyond, nm);
+                    let lobe = Lobe { share: transmitted, ..transmission };
+                    self.refracted(at, &boundary, &crossing, lobe, beyond, nm);
                 }
             }
             Interface::ThinDielectric { ior, rule, tint } => {
                 self.base(at, one);
                 let boundary = Boundary::new(here(), f64::from(ior));
                 let crossing = boundary.cross(at.cos_i);
-                let Ways { back, on } = at_pane(prepared.fresnel, rule, &boundary, &crossing, at.before);
+                let Lobes { reflection, transmission } =
+                    at_pane(prepared.fresnel, rule, &boundary, &crossing, at.before);
                 let tint = tint.as_dvec3();
                 self.split(
                     at,
                     Split {
                         indices: Some((here(), f64::from(ior))),
                         total: crossing.total,
-                        reflected: back.share,
-                        transmitted: on.share * tint,
-                        absorbed: on.share * (one - tint),
+                        reflected: reflection.share,
+                        transmitted: transmission.share * tint,
+                        absorbed: transmission.share * (one - tint),
                         ..Split::OPAQUE
                     },
                 );
-                self.reflected(at, back);
-                self.straight(at, Way { share: on.share * tint, ..on });
+                self.reflected(at, reflection);
+                self.straight(at, Lobe { share: transmission.share * tint, ..transmission });
             }
             Interface::Coated { ior } => {
                 let boundary = Boundary::new(here(), f64::from(ior));
                 let crossing = boundary.cross(at.cos_i);
-                let Ways { back, on } =
+                let Lobes { reflection, transmission } =
                     at_boundary(prepared.fresnel, FresnelRule::Fresnel, &boundary, &crossing, at.before);
                 self.split(
                     at,
                     Split {
                         indices: Some((here(), f64::from(ior))),
                         total: crossing.total,
-                        reflected: back.share,
-                        absorbed: on.share,
+                        reflected: reflection.share,
+                        absorbed: transmission.share,
                         ..Split::OPAQUE
                     },
                 );
-                self.base(at, on.share);
-                self.reflected(at, back);
+                self.base(at, transmission.share);
+                self.reflected(at, reflection);
             }
             Interface::Alpha { opacity } => {
                 let (absorbed, transmitted) =
                     (DVec3::splat(f64::from(opacity)), DVec3::splat(1.0 - f64::from(opacity)));
                 self.split(at, Split { transmitted, absorbed, ..Split::OPAQUE });
                 self.base(at, absorbed);
-                self.straight(at, Way { share: transmitted, polarisation: at.before });
+                self.straight(at, Lobe { share: transmitted, polarisation: at.before });
             }
         }
     }
@@ -141,30 +142,30 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         at: &Arrival,
         boundary: &Boundary<f64>,
         crossing: &Crossing<f64>,
-        way: Way,
+        lobe: Lobe,
         beyond: MediumStack,
         nm: Option<f64>,
     ) {
         let Refracted { direction, total } = self.prepared.refract(boundary, at, crossing);
         // Light that is not bent keeps its direction.
         if boundary.kc == 0.0 {
-            self.send_coloured(at, RayKind::Transmitted, at.ray.dir, way, beyond, nm);
+            self.send_coloured(at, RayKind::Transmitted, at.ray.dir, lobe, beyond, nm);
         } else if total {
-            self.cut(at, RayKind::Transmitted, at.ray.weight * way.share, false, false);
+            self.cut(at, RayKind::Transmitted, at.ray.weight * lobe.share, false, false);
         } else if at.surface.interpolated.is_some() {
             let dir = below_surface(direction, at.geometric.into());
-            self.send_coloured(at, RayKind::Transmitted, dir.into(), way, beyond, nm);
+            self.send_coloured(at, RayKind::Transmitted, dir.into(), lobe, beyond, nm);
         } else {
-            self.send_coloured(at, RayKind::Transmitted, direction.into(), way, beyond, nm);
+            self.send_coloured(at, RayKind::Transmitted, direction.into(), lobe, beyond, nm);
         }
     }
 
     /// Handles reflected light as the render's options say.
-    pub fn reflected(&mut self, at: &Arrival, way: Way) {
+    pub fn reflected(&mut self, at: &Arrival, lobe: Lobe) {
         match self.prepared.reflection {
-            Reflection::Traced => self.send(at, RayKind::Reflected, at.mirrored(), way, at.ray.stack.clone()),
-            Reflection::Environment => self.mirror_environment(at, way.share),
-            Reflection::None => self.not_reflected(at, way.share),
+            Reflection::Traced => self.send(at, RayKind::Reflected, at.mirrored(), lobe, at.ray.stack.clone()),
+            Reflection::Environment => self.mirror_environment(at, lobe.share),
+            Reflection::None => self.not_reflected(at, lobe.share),
         }
     }
 
@@ -181,30 +182,22 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         }
     }
 
-    fn straight(&mut self, at: &Arrival, way: Way) {
-        self.send(at, RayKind::Transmitted, at.ray.dir, way, at.ray.stack.clone());
+    fn straight(&mut self, at: &Arrival, lobe: Lobe) {
+        self.send(at, RayKind::Transmitted, at.ray.dir, lobe, at.ray.stack.clone());
     }
 }
 
 impl Prepared<'_> {
     /// Returns the refracted direction by the chosen formula.
     fn refract(&self, boundary: &Boundary<f64>, at: &Arrival, crossing: &Crossing<f64>) -> Refracted<f64> {
-        fn by<F: RefractionFormula>(
-            formula: F,
-            boundary: &Boundary<f64>,
-            at: &Arrival,
-            crossing: &Crossing<f64>,
-        ) -> Refracted<f64> {
-            formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+        struct Of<'a>(&'a Boundary<f64>, &'a Arrival<'a>, &'a Crossing<f64>);
+        impl RefractionVisitor for Of<'_> {
+            type Output = Refracted<f64>;
+            fn visit<F: RefractionFormula>(self, formula: F) -> Refracted<f64> {
+                let Self(boundary, at, crossing) = self;
+                formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
+            }
         }
-        match self.refraction {
-            RefractionModel::Stable => by(Stable, boundary, at, crossing),
-            RefractionModel::Trigonometric => by(Trigonometric, boundary, at, crossing),
-            RefractionModel::Heckbert => by(Heckbert, boundary, at, crossing),
-            RefractionModel::Bec => by(Bec, boundary, at, crossing),
-            RefractionModel::SlidesVector => by(SlidesVector, boundary, at, crossing),
-            RefractionModel::Oliveira => by(self.oliveira, boundary, at, crossing),
-            RefractionModel::StraightThrough => by(StraightThrough, boundary, at, crossing),
-        }
+        self.refraction.dispatch(Of(boundary, at, crossing))
     }
 }

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
-use super::super::place::{Layer, Place, Through, governing};
+use super::super::place::{ContactPoint, Layer, Through, governing};
 use super::super::unmatched::UnmatchedExits;
-use super::media::{MediumStack, Meeting};
+use super::media::{MediumStack, Transition};
 use super::polarisation::Polarisation;
-use super::split::{Ways, at_boundary, at_pane};
+use super::split::{Lobes, at_boundary, at_pane};
 use super::{Prepared, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
@@ -97,14 +97,15 @@ pub(super) fn let_through(
     nm: Option<f64>,
 ) -> (DVec3, UnmatchedExits) {
     let none = UnmatchedExits::default();
-    if prepared.accel.occluded(&blocking(prepared, ray)) {
+    let blocking = blocking(prepared, ray);
+    if prepared.accel.occluded(&blocking) {
         return (DVec3::ZERO, none);
     }
-    match prepared.scene.settings.shadows {
-        ShadowRule::Opaque if through.is_some() => (DVec3::ZERO, none),
-        ShadowRule::Opaque => (DVec3::ONE, none),
-        ShadowRule::Straight => march(prepared, ray, through, stack, nm),
+    if blocking.admits == GeometryMask::ALL {
+        // Every surface blocks, including the remaining layers at the origin.
+        return (if through.is_some() { DVec3::ZERO } else { DVec3::ONE }, none);
     }
+    march(prepared, ray, through, stack, nm)
 }
 
 /// Returns the nearest object that blocks the light at the far end of `ray` by itself, as an index of geometry.
@@ -155,7 +156,7 @@ fn march(
     let mut reached = 0.0;
     // Faces crossed together with an earlier one, and the ray parameter up to which they are skipped.
     let mut crossed: (Vec<(u32, bool)>, f64) = (Vec::new(), f64::NEG_INFINITY);
-    if let Some(place) = through.and_then(|way| Place::resumed(scene, contacts, way)) {
+    if let Some(place) = through.and_then(|way| ContactPoint::resumed(scene, contacts, way)) {
         let (sides, apart) = place.sides(ray.dir);
         let cos = place.layer().faces()[0].outward(place.point()).dot(ray.dir).abs();
         crossed = (sides, apart / cos);
@@ -172,7 +173,7 @@ fn march(
         light.absorb(crossing.t - reached);
         reached = crossing.t;
         let id = (crossing.geometry, crossing.primitive);
-        match Place::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
+        match ContactPoint::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
             None => light.cross_face(crossing.geometry, crossing.outward),
             Some(place) => {
                 let (sides, apart) = place.sides(ray.dir);
@@ -207,7 +208,7 @@ impl Marched<'_> {
     }
 
     /// Crosses all remaining layers of a point where surfaces touch.
-    fn cross_place(&mut self, place: Option<Place>) {
+    fn cross_place(&mut self, place: Option<ContactPoint>) {
         let Prepared { scene, contacts, .. } = self.prepared;
         let mut place = place;
         while let Some(here) = place {
@@ -217,31 +218,32 @@ impl Marched<'_> {
                     let outside = |face: &Face| here.is_outside(face, self.ray.dir);
                     let body = |object| self.prepared.bodies.of_object(object);
                     let crossed = here.crossed(faces, self.ray.dir, body);
-                    let meeting = self.stack.meet_all(self.prepared.filled(), &crossed);
-                    let sides = match &meeting {
-                        Meeting::Boundary { from, to, .. } => [*from, *to],
-                        Meeting::NotThere(_) => [0, 0],
+                    let transition = self.stack.cross_all(self.prepared.filled(), &crossed);
+                    let sides = match &transition {
+                        Transition::Boundary { from, to, .. } => [*from, *to],
+                        Transition::Passed(_) => [0, 0],
                     };
                     let face = *governing(scene, faces, sides, outside);
-                    self.cross_boundary(meeting, face.object, face.outward(here.point()));
+                    self.cross_boundary(transition, face.object, face.outward(here.point()));
                 }
             }
-            place = here.onward().and_then(|way| Place::resumed(scene, contacts, way));
+            place = here.onward().and_then(|way| ContactPoint::resumed(scene, contacts, way));
         }
     }
 
     /// Crosses a boundary between media.
-    fn cross_boundary(&mut self, meeting: Meeting, object: u32, outward: DVec3) {
+    fn cross_boundary(&mut self, transition: Transition, object: u32, outward: DVec3) {
         let Interface::Dielectric { rule, tint, .. } = self.prepared.material(object).interface else { return };
-        match meeting {
-            Meeting::NotThere(beyond) => self.stack = beyond,
-            Meeting::Boundary { from, to, beyond, unmatched } => {
+        match transition {
+            Transition::Passed(beyond) => self.stack = beyond,
+            Transition::Boundary { from, to, beyond, unmatched } => {
                 let (n1, n2) = (self.prepared.ior(from, self.nm), self.prepared.ior(to, self.nm));
                 let boundary = Boundary::new(n1.min(n2), n1.max(n2));
                 let (cos, before) = self.at(outward);
-                let Ways { on, .. } = at_boundary(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
-                self.share *= on.share * tint.as_dvec3();
-                self.carried = on.polarisation;
+                let Lobes { transmission, .. } =
+                    at_boundary(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                self.share *= transmission.share * tint.as_dvec3();
+                self.carried = transmission.polarisation;
                 if unmatched {
                     self.unmatched.add(object);
                 }
@@ -257,14 +259,15 @@ impl Marched<'_> {
             Interface::Dielectric { .. } => {
                 let body = self.prepared.bodies.of_object(object).unwrap_or(0);
                 let front = outward.dot(self.ray.dir) < 0.0;
-                self.cross_boundary(self.stack.meet(filled, body, front), object, outward);
+                self.cross_boundary(self.stack.cross(filled, body, front), object, outward);
             }
             Interface::ThinDielectric { ior, rule, tint } => {
                 let boundary = Boundary::new(self.prepared.ior(self.stack.top(filled), self.nm), f64::from(ior));
                 let (cos, before) = self.at(outward);
-                let Ways { on, .. } = at_pane(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
-                self.share *= on.share * tint.as_dvec3();
-                self.carried = on.polarisation;
+                let Lobes { transmission, .. } =
+                    at_pane(self.prepared.fresnel, rule, &boundary, &boundary.cross(cos), before);
+                self.share *= transmission.share * tint.as_dvec3();
+                self.carried = transmission.polarisation;
             }
             Interface::Alpha { opacity } => self.share *= 1.0 - f64::from(opacity),
             // Opaque surfaces only arrive here with a wrong geometry mask. They block the light.

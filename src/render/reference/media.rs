@@ -14,9 +14,9 @@ pub(super) struct MediumStack(Vec<u32>);
 
 /// Effect of a dielectric surface on a ray.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Meeting {
+pub(super) enum Transition {
     /// The surface lies inside a medium of higher rank, or separates equal media. The ray passes with this stack.
-    NotThere(MediumStack),
+    Passed(MediumStack),
     /// The surface separates the media `from` and `to`. A refracted ray has the stack `beyond`.
     Boundary { from: u32, to: u32, beyond: MediumStack, unmatched: bool },
 }
@@ -68,28 +68,30 @@ impl MediumStack {
 
     /// Returns the effect of the boundary of `body` on a ray with this stack. `front` says at which side the ray
     /// arrives.
-    pub fn meet(&self, filled: Filled, body: u32, front: bool) -> Meeting {
+    pub fn cross(&self, filled: Filled, body: u32, front: bool) -> Transition {
         let (current, medium) = (self.top(filled), filled.bodies.medium(body));
         if front {
             let beyond = self.with(filled, body);
             let inside = self.0.last().is_some_and(|&top| filled.bodies.rank(body) < filled.bodies.rank(top));
             return if inside || filled.priority(medium) < filled.priority(0) {
-                Meeting::NotThere(beyond)
+                Transition::Passed(beyond)
             } else {
-                Meeting::Boundary { from: current, to: medium, beyond, unmatched: false }
+                Transition::Boundary { from: current, to: medium, beyond, unmatched: false }
             };
         }
         match self.without(filled, body) {
-            None => Meeting::Boundary { from: medium, to: current, beyond: self.clone(), unmatched: true },
-            Some((beyond, place)) if medium != current || place + 1 != self.0.len() => Meeting::NotThere(beyond),
-            Some((beyond, _)) => Meeting::Boundary { from: medium, to: beyond.top(filled), beyond, unmatched: false },
+            None => Transition::Boundary { from: medium, to: current, beyond: self.clone(), unmatched: true },
+            Some((beyond, place)) if medium != current || place + 1 != self.0.len() => Transition::Passed(beyond),
+            Some((beyond, _)) => {
+                Transition::Boundary { from: medium, to: beyond.top(filled), beyond, unmatched: false }
+            }
         }
     }
 
     /// Returns the effect of coinciding surfaces, given as bodies with true if the ray arrives at the front.
-    pub fn meet_all(&self, filled: Filled, surfaces: &[(u32, bool)]) -> Meeting {
+    pub fn cross_all(&self, filled: Filled, surfaces: &[(u32, bool)]) -> Transition {
         if let &[(body, front)] = surfaces {
-            return self.meet(filled, body, front);
+            return self.cross(filled, body, front);
         }
         let mut beyond = self.clone();
         let mut never_entered = None;
@@ -106,9 +108,9 @@ impl MediumStack {
         let from = never_entered.filter(|_| leaves_only).map_or(self.top(filled), |body| filled.bodies.medium(body));
         let to = beyond.top(filled);
         if filled.media[from as usize].is_like(&filled.media[to as usize]) {
-            return Meeting::NotThere(beyond);
+            return Transition::Passed(beyond);
         }
-        Meeting::Boundary { from, to, beyond, unmatched: never_entered.is_some() }
+        Transition::Boundary { from, to, beyond, unmatched: never_entered.is_some() }
     }
 }
 

@@ -34,7 +34,7 @@ use crate::accel::reference::Reference;
 use crate::effects::{self, Effect};
 use crate::geometry::contact::Contacts;
 use crate::image::Film;
-use crate::optics::{FresnelModel, Oliveira, RefractionModel, Spectrum};
+use crate::optics::{FresnelModel, RefractionModel, Spectrum};
 use crate::scene::{Bodies, Material, Scene};
 use crate::system::threads;
 use crate::{Error, Result};
@@ -54,7 +54,6 @@ pub struct Prepared<'a> {
     touching: TouchingFound,
     fresnel: FresnelModel,
     refraction: RefractionModel,
-    oliveira: Oliveira,
     reflection: Reflection,
     /// True if light ends where it would be totally reflected.
     total_is_lost: bool,
@@ -81,7 +80,7 @@ impl<'a> Prepared<'a> {
     /// leave out of the scene's data ([`effects::without`]).
     #[must_use]
     pub fn with(scene: &'a Scene, options: &Options) -> Self {
-        let &Options { fresnel, oliveira, reflection, .. } = options;
+        let &Options { fresnel, reflection, .. } = options;
         let refraction = options.bending();
         let total_is_lost = options.effects.without.has(Effect::TotalInternalReflection);
         let accel = Reference::build(&scene.geometry);
@@ -100,7 +99,6 @@ impl<'a> Prepared<'a> {
             touching,
             fresnel,
             refraction,
-            oliveira,
             reflection,
             total_is_lost,
             tolls,

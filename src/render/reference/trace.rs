@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::media::{Filled, MediumStack, Meeting};
+use super::media::{Filled, MediumStack, Transition};
 use super::polarisation::Polarisation;
 use super::surface::Surface;
 use super::{Prepared, Tally, colour};
@@ -11,7 +11,7 @@ use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{Bands, FresnelModel, consistent_normal, reflect, transmittance};
 use crate::render::budget;
-use crate::render::place::{Layer, Place, Through, governing};
+use crate::render::place::{ContactPoint, Layer, Through, governing};
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source};
 use crate::render::{FilmRay, Limit, RayKind};
 use crate::scene::Material;
@@ -64,7 +64,7 @@ pub(super) struct Arrival<'a> {
 #[derive(Default)]
 struct Reached {
     /// Combined effect of all coinciding boundaries.
-    meeting: Option<Meeting>,
+    transition: Option<Transition>,
     onward: Option<Through>,
     returning: Option<Through>,
 }
@@ -160,18 +160,18 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.tally.met.insert(object);
         let front = ray.dir.dot(surface.outward) < 0.0;
         let material = self.prepared.material(object);
-        let Reached { meeting, onward, returning } = reached;
-        let meeting = meeting.or_else(|| {
+        let Reached { transition, onward, returning } = reached;
+        let transition = transition.or_else(|| {
             let body = self.prepared.bodies.of_object(object)?;
-            Some(ray.stack.meet(filled, body, front))
+            Some(ray.stack.cross(filled, body, front))
         });
         let point = surface.point;
-        if let Some(Meeting::NotThere(beyond)) = meeting {
+        if let Some(Transition::Passed(beyond)) = transition {
             self.note(ray.node, |event| event.met = Met::Absent { object, primitive, point });
             self.pass(&ray, &surface, beyond, onward);
             return;
         }
-        if let Some(Meeting::Boundary { unmatched: true, .. }) = meeting {
+        if let Some(Transition::Boundary { unmatched: true, .. }) = transition {
             self.tally.unmatched_exits.add(object);
         }
         let geometric = if front { surface.outward } else { -surface.outward };
@@ -180,7 +180,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         self.note(ray.node, |event| event.met = Met::Surface { object, primitive, point, front, cos_i });
         let before = ray.polarisation.map(|carried| carried.facing(ray.dir, shading));
         let arrival = Arrival { ray: &ray, surface, material, geometric, shading, cos_i, onward, returning, before };
-        self.meet(&arrival, meeting);
+        self.shade(&arrival, transition);
         self.send_branches(&arrival);
     }
 
@@ -189,11 +189,11 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let prepared = self.prepared;
         let (scene, contacts, filled) = (prepared.scene, &prepared.contacts, prepared.filled());
         let (place, surface) = match ray.through {
-            Some(way) => (Place::resumed(scene, contacts, way), None),
+            Some(way) => (ContactPoint::resumed(scene, contacts, way), None),
             None => {
                 let surface = Surface::at(scene, line, hit);
                 let id = (hit.geometry, hit.primitive);
-                (Place::met(scene, contacts, id, [line.origin, line.dir], surface.point), Some(surface))
+                (ContactPoint::met(scene, contacts, id, [line.origin, line.dir], surface.point), Some(surface))
             }
         };
         let Some(place) = place else {
@@ -201,20 +201,20 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             return (hit.geometry, hit.primitive, surface, Reached::default());
         };
         let outside = |face: &Face| place.is_outside(face, ray.dir);
-        let (face, meeting) = match place.layer() {
+        let (face, transition) = match place.layer() {
             Layer::Alone(face) => (face, None),
             Layer::Media(faces) => {
                 let crossed = place.crossed(faces, ray.dir, |object| prepared.bodies.of_object(object));
-                let meeting = ray.stack.meet_all(filled, &crossed);
-                let sides = match &meeting {
-                    Meeting::Boundary { from, to, .. } => [*from, *to],
-                    Meeting::NotThere(beyond) => [ray.stack.top(filled), beyond.top(filled)],
+                let transition = ray.stack.cross_all(filled, &crossed);
+                let sides = match &transition {
+                    Transition::Boundary { from, to, .. } => [*from, *to],
+                    Transition::Passed(beyond) => [ray.stack.top(filled), beyond.top(filled)],
                 };
-                (governing(scene, faces, sides, outside), Some(meeting))
+                (governing(scene, faces, sides, outside), Some(transition))
             }
         };
         let surface = Surface::on_face(scene, line, face, place.point(), place.spread(face).0);
-        let reached = Reached { meeting, onward: place.onward(), returning: place.returning() };
+        let reached = Reached { transition, onward: place.onward(), returning: place.returning() };
         (face.object, face.primitive, surface, reached)
     }
 

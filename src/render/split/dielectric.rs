@@ -1,5 +1,7 @@
 //! Boundaries of transparent solids and liquids: reflection and refraction.
 
+use std::marker::PhantomData;
+
 use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
@@ -12,8 +14,7 @@ use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::math::Real;
 use crate::optics::{
-    Bec, Boundary, Crossing, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, SlidesVector, Stable,
-    StraightThrough, Trigonometric, below_surface, reflect,
+    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
 };
 use crate::scene::{FresnelRule, Interface, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
@@ -22,54 +23,30 @@ use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 /// at run time whether media disperse.
 #[must_use]
 pub(super) fn pick<O: Optics>(model: RefractionModel, dispersing: bool, touching: bool) -> SplitStage {
-    match (dispersing, touching) {
-        (_, true) => pick_for::<O, true, true>(model),
-        (true, false) => pick_for::<O, true, false>(model),
-        (false, false) => pick_for::<O, false, false>(model),
+    struct Pick<O> {
+        dispersing: bool,
+        touching: bool,
+        optics: PhantomData<O>,
     }
-}
-
-fn pick_for<O: Optics, const DISPERSING: bool, const TOUCHING: bool>(model: RefractionModel) -> SplitStage {
-    match model {
-        RefractionModel::Stable => split::<O, Stable, DISPERSING, TOUCHING>,
-        RefractionModel::Trigonometric => split::<O, Trigonometric, DISPERSING, TOUCHING>,
-        RefractionModel::Heckbert => split::<O, Heckbert, DISPERSING, TOUCHING>,
-        RefractionModel::Bec => split::<O, Bec, DISPERSING, TOUCHING>,
-        RefractionModel::SlidesVector => split::<O, SlidesVector, DISPERSING, TOUCHING>,
-        RefractionModel::Oliveira => split::<O, Oliveira, DISPERSING, TOUCHING>,
-        RefractionModel::StraightThrough => split::<O, StraightThrough, DISPERSING, TOUCHING>,
-    }
-}
-
-/// Construction of a formula for one render. Stages are selected by type alone, so they build the value themselves.
-trait OfRender: RefractionFormula {
-    fn of(shading: &Shading) -> Self;
-}
-
-impl OfRender for Oliveira {
-    fn of(shading: &Shading) -> Self {
-        shading.oliveira
-    }
-}
-
-macro_rules! without_values {
-    ($($formula:ty),*) => {$(
-        impl OfRender for $formula {
-            fn of(_: &Shading) -> Self {
-                Self
+    impl<O: Optics> RefractionVisitor for Pick<O> {
+        type Output = SplitStage;
+        fn visit<R: RefractionFormula>(self, _formula: R) -> SplitStage {
+            match (self.dispersing, self.touching) {
+                (_, true) => split::<O, R, true, true>,
+                (true, false) => split::<O, R, true, false>,
+                (false, false) => split::<O, R, false, false>,
             }
         }
-    )*};
+    }
+    model.dispatch(Pick::<O> { dispersing, touching, optics: PhantomData })
 }
 
-without_values!(Stable, Trigonometric, Heckbert, Bec, SlidesVector, StraightThrough);
-
-fn split<O: Optics, R: OfRender, const DISPERSING: bool, const TOUCHING: bool>(
+fn split<O: Optics, R: RefractionFormula, const DISPERSING: bool, const TOUCHING: bool>(
     shading: &mut Shading,
     surfaces: &mut [Surface8],
     depth: usize,
 ) {
-    let formula = R::of(shading);
+    let formula = R::of(shading.refraction);
     let total_is_lost = shading.total_is_lost;
     for surface in surfaces {
         let Entered { boundary, beyond, fans } = enter::<TOUCHING>(shading, surface, depth);

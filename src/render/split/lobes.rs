@@ -7,7 +7,9 @@ use super::super::surface::Surface8;
 use super::WHITE;
 use super::dielectric::{fixed_shares, ruled};
 use crate::math::Real;
-use crate::optics::{Boundary, Crossing, Exact, FresnelFormula, Mueller, thin_reflectance};
+use crate::optics::{
+    Boundary, Crossing, Exact, FresnelFormula, FresnelModel, FresnelVisitor, Mueller, thin_reflectance,
+};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// Lobe of light that leaves a surface: its share, excluding tints, and the carried polarisation in the frame of the
@@ -21,6 +23,30 @@ pub struct Lobe<C> {
 pub struct Lobes<C> {
     pub reflection: Lobe<C>,
     pub transmission: Lobe<C>,
+}
+
+/// Code to be called with the optics of a render.
+pub trait OpticsVisitor {
+    /// Result of the call.
+    type Output;
+
+    /// Is called with the optics as a type.
+    fn visit<O: Optics>(self) -> Self::Output;
+}
+
+/// Calls `visitor` with the optics of a Fresnel formula.
+pub fn dispatch<V: OpticsVisitor>(model: FresnelModel, visitor: V) -> V::Output {
+    struct OfFormula<V>(V);
+    impl<V: OpticsVisitor> FresnelVisitor for OfFormula<V> {
+        type Output = V::Output;
+        fn visit<F: FresnelFormula>(self, _formula: F) -> V::Output {
+            self.0.visit::<Unpolarised<F>>()
+        }
+    }
+    match model {
+        FresnelModel::Polarised => visitor.visit::<Polarised>(),
+        unpolarised => unpolarised.dispatch(OfFormula(visitor)),
+    }
 }
 
 /// Polarised or unpolarised optics, as a type, so that a stage contains one of them and no branch.

@@ -16,7 +16,7 @@ use super::sky;
 use super::surface::Surface8;
 use crate::effects::Pipeline;
 use crate::math::Vector3;
-use crate::optics::{AtNormal, Boundary, Exact, FresnelModel, Schlick};
+use crate::optics::Boundary;
 use crate::scene::{Environment, Scene};
 use crate::simd::{F32x8, Vec3x8};
 
@@ -24,18 +24,29 @@ use crate::simd::{F32x8, Vec3x8};
 /// The last argument is the depth of the arriving rays.
 pub type SplitStage = fn(&mut Shading, &mut [Surface8], usize);
 
-pub use lobes::{Optics, Polarised, Unpolarised};
+pub use lobes::{Optics, OpticsVisitor, dispatch};
 
 const WHITE: Vec3x8 = Vector3::new(F32x8::ONE, F32x8::ONE, F32x8::ONE);
 
 /// Picks the stage of a class, or `None` if it emits no secondary rays.
 #[must_use]
 pub fn pick(class: Class, scene: &Scene, options: &Options, touching: bool) -> Option<SplitStage> {
-    match options.fresnel {
-        FresnelModel::Exact => pick_for::<Unpolarised<Exact>>(class, scene, options, touching),
-        FresnelModel::Polarised => pick_for::<Polarised>(class, scene, options, touching),
-        FresnelModel::Schlick => pick_for::<Unpolarised<Schlick>>(class, scene, options, touching),
-        FresnelModel::Off => pick_for::<Unpolarised<AtNormal>>(class, scene, options, touching),
+    dispatch(options.fresnel, Pick { class, scene, options, touching })
+}
+
+/// Picks the stage for the optics that it is called with.
+struct Pick<'a> {
+    class: Class,
+    scene: &'a Scene,
+    options: &'a Options,
+    touching: bool,
+}
+
+impl OpticsVisitor for Pick<'_> {
+    type Output = Option<SplitStage>;
+
+    fn visit<O: Optics>(self) -> Option<SplitStage> {
+        pick_for::<O>(self.class, self.scene, self.options, self.touching)
     }
 }
 

@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use super::Candidate;
-use crate::Result;
 use crate::image::Film;
 use crate::render::Observer;
 use crate::render::reference::Prepared;
@@ -13,6 +12,7 @@ use crate::study::engine::Engine;
 use crate::study::errors::off;
 use crate::study::size::fit;
 use crate::study::variant::Variant;
+use crate::{Error, Result};
 
 /// Numbers of pixels: of the picture that costs are estimated from, and the smallest and largest of the small picture.
 const PIXELS: [f64; 3] = [300.0, 600.0, 2400.0];
@@ -71,24 +71,24 @@ impl<'a> Quick<'a> {
         // One ray per pixel: the mean of several rays is off by no more than the worst of them.
         let exact = Variant { samples: 1, ..*exact };
         let sized = |pixels: f64| {
-            let mut small = scene.clone();
+            let mut small = scene.try_clone()?;
             [small.settings.width, small.settings.height] = fit(&scene.settings, pixels);
-            small
+            Ok::<_, Error>(small)
         };
         let mut cost = f64::INFINITY;
         for probed in [FEW, PIXELS[0]] {
             if probed > FEW && probed * cost > 4.0 * REFERENCE {
                 break;
             }
-            let probe = sized(probed);
+            let probe = sized(probed)?;
             cost = Engine::new(&probe, threads).shoot(&exact, observer)?.seconds / pixels(&probe);
         }
         let wanted = (REFERENCE / cost.max(1e-12)).clamp(PIXELS[1], PIXELS[2]);
         let slow = wanted * cost > 8.0 * REFERENCE;
-        let small = sized(if slow { (0.5 * REFERENCE / cost).max(FEW) } else { wanted });
+        let small = sized(if slow { (0.5 * REFERENCE / cost).max(FEW) } else { wanted })?;
         let shot = Engine::new(&small, threads).shoot(&exact, observer)?;
         let samples = f64::from(scene.settings.samples);
-        let judge = Scene { settings: exact.settings(&small.settings), ..small.clone() };
+        let judge = Scene { settings: exact.settings(&small.settings), ..small.try_clone()? };
         Ok(Self {
             scale: pixels(scene) * samples * samples / pixels(&small),
             reference: shot.outcome.film,
@@ -142,7 +142,7 @@ impl Judged<'_> {
         let samples = scene.settings.samples;
         let least = small * LARGER / f64::from(samples * samples);
         let in_time = OF_THE_TIME * seconds * whole / of.seconds;
-        let mut larger = scene.clone();
+        let mut larger = scene.try_clone()?;
         [larger.settings.width, larger.settings.height] = fit(&scene.settings, in_time.max(least).min(whole));
         let engine = &mut Engine::new(&larger, self.quick.threads);
         let variant = Variant { samples, ..of.variant };

@@ -13,7 +13,7 @@ pub fn csv(formulas: &[Formula]) -> String {
     );
     let number = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
     for formula in formulas {
-        let kind = format!("{:?}", formula.kind).to_lowercase();
+        let kind = formula.kind;
         let time = formula.time;
         for e in &formula.ranges {
             let noted = e.noted;

@@ -4,7 +4,7 @@ use super::evaluate::{Answer, Case, Formula};
 use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{FUSED, LaneMask, Real, Vector3, ulp};
-use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, Schlick, oracle, polarised, polarised_as_printed};
+use crate::optics::{Boundary, FresnelFormula, FresnelModel, FresnelVisitor, oracle, polarised, polarised_as_printed};
 use crate::simd::{F32x8, Vec3x8};
 use crate::trial::verify::sample::Rng;
 
@@ -51,16 +51,53 @@ const RANGES: [Range; 17] = [
     Range::new("glass to water, to 1e-3 of critical", 1.5, 1.33, Angles::BelowCritical),
 ];
 
-const NAMES: [&str; 5] = ["exact", "per polarisation", "as printed", "schlick", "fixed"];
+/// Formula of this study, and what its answers are.
+struct Candidate {
+    name: String,
+    formula: Box<dyn Formula>,
+    /// True if the answers are held against the oracle for each polarisation.
+    polarised: bool,
+    /// Column of the noted figures.
+    column: Option<Column>,
+}
 
-fn formulas() -> [Box<dyn Formula>; 5] {
-    [
-        Box::new(Reflectance(Exact)),
-        Box::new(Both::<false>),
-        Box::new(Both::<true>),
-        Box::new(Reflectance(Schlick)),
-        Box::new(Reflectance(AtNormal)),
-    ]
+/// Column of the noted figures.
+#[derive(Clone, Copy, PartialEq)]
+enum Column {
+    Exact,
+    Printed,
+    Schlick,
+}
+
+/// Makes a formula answer in every number type.
+struct Boxed;
+
+impl FresnelVisitor for Boxed {
+    type Output = Box<dyn Formula>;
+
+    fn visit<F: FresnelFormula>(self, formula: F) -> Box<dyn Formula> {
+        Box::new(Reflectance(formula))
+    }
+}
+
+/// All formulas that the renderer has, and the exact one as printed in the notes.
+fn candidates() -> Vec<Candidate> {
+    let of = |model: FresnelModel| {
+        let (formula, polarised) = match model {
+            FresnelModel::Polarised => (Box::new(Both::<false>) as Box<dyn Formula>, true),
+            unpolarised => (unpolarised.dispatch(Boxed), false),
+        };
+        let column = match model {
+            FresnelModel::Exact => Some(Column::Exact),
+            FresnelModel::Schlick => Some(Column::Schlick),
+            _ => None,
+        };
+        Candidate { name: model.to_string(), formula, polarised, column }
+    };
+    let formula = Box::new(Both::<true>);
+    let printed =
+        Candidate { name: String::from("as printed"), formula, polarised: false, column: Some(Column::Printed) };
+    FresnelModel::ALL.into_iter().map(of).chain([printed]).collect()
 }
 
 /// Largest errors in parts of the reflectance: the stable form with fused products, and the notes' form.
@@ -94,19 +131,18 @@ const NOTED_SCHLICK: [(usize, f64); 10] = [
 ];
 
 /// The figure noted for a formula and a range, and ours for it.
-fn noted(formula: usize, range: usize, errors: &Errors) -> Option<Noted> {
+fn noted(column: Column, range: usize, errors: &Errors) -> Option<Noted> {
     let relative = errors.worst.relative.unwrap_or(0.0);
-    let (value, ours) = match formula {
-        0 => (NOTED.get(range)?[0]?, relative),
-        2 => (NOTED.get(range)?[1]?, relative),
-        3 => (NOTED_SCHLICK.iter().find(|(r, _)| *r == range)?.1, errors.worst.absolute),
-        _ => return None,
+    let (value, ours) = match column {
+        Column::Exact => (NOTED.get(range)?[0]?, relative),
+        Column::Printed => (NOTED.get(range)?[1]?, relative),
+        Column::Schlick => (NOTED_SCHLICK.iter().find(|(r, _)| *r == range)?.1, errors.worst.absolute),
     };
     let noted = Noted { value, ours, why: "" };
-    let why = match (formula, range) {
+    let why = match (column, range) {
         _ if noted.agrees() => "",
-        (0, _) if !FUSED => "products are not fused in this build",
-        (0, 3) | (2, 3) => "cosines nearer to 1 than those noted",
+        (Column::Exact, _) if !FUSED => "products are not fused in this build",
+        (Column::Exact | Column::Printed, 3) => "cosines nearer to 1 than those noted",
         _ if ours < value => "other roundings, and fused products",
         _ => "other roundings of the same cancellation",
     };
@@ -114,27 +150,23 @@ fn noted(formula: usize, range: usize, errors: &Errors) -> Option<Noted> {
 }
 
 pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
-    let formulas = formulas();
-    let ranges: Vec<[Tally; 5]> =
-        RANGES.iter().enumerate().map(|(i, range)| tally(plan, &formulas, range, i)).collect();
-    let rows = NAMES.iter().zip(&formulas).enumerate().map(|(f, (name, formula))| {
-        let errors = |(r, tallies): (usize, &[Tally; 5])| {
+    let candidates = candidates();
+    let ranges: Vec<Vec<Tally>> =
+        RANGES.iter().enumerate().map(|(i, range)| tally(plan, &candidates, range, i)).collect();
+    let rows = candidates.into_iter().enumerate().map(|(f, Candidate { name, formula, column, .. })| {
+        let errors = |(r, tallies): (usize, &Vec<Tally>)| {
             let errors = tallies[f].errors(RANGES[r].name);
-            Errors { noted: noted(f, r, &errors), ..errors }
+            Errors { noted: column.and_then(|column| noted(column, r, &errors)), ..errors }
         };
-        super::Formula {
-            kind: Kind::Fresnel,
-            name,
-            time: plan.time.then(|| formula.time()),
-            ranges: ranges.iter().enumerate().map(errors).collect(),
-        }
+        let time = plan.time.then(|| formula.time());
+        super::Formula { kind: Kind::Fresnel, name, time, ranges: ranges.iter().enumerate().map(errors).collect() }
     });
     rows.collect()
 }
 
-fn tally(plan: &Plan, formulas: &[Box<dyn Formula>; 5], range: &Range, number: usize) -> [Tally; 5] {
+fn tally(plan: &Plan, candidates: &[Candidate], range: &Range, number: usize) -> Vec<Tally> {
     let mut rng = Rng::new("formulas: fresnel", number);
-    let mut tallies = [Tally::default(); 5];
+    let mut tallies = vec![Tally::default(); candidates.len()];
     let boundary8 = Boundary::<F32x8>::new(range.n1, range.n2);
     let boundary = Boundary::<f64>::new(range.n1, range.n2);
     let zero8 = Vec3x8::splat(glam::Vec3::ZERO);
@@ -143,12 +175,12 @@ fn tally(plan: &Plan, formulas: &[Box<dyn Formula>; 5], range: &Range, number: u
         let cosines: [f64; 8] = std::array::from_fn(|_| range.angle(&mut rng).cos());
         let cos = F32x8::from_fn(|k| cosines[k] as f32);
         let case = Case { incident: zero8, normal: zero8, cos, boundary: boundary8 };
-        let answers: Vec<_> = formulas.iter().map(|f| f.eight(&case).0).collect();
+        let answers: Vec<_> = candidates.iter().map(|c| c.formula.eight(&case).0).collect();
         for (k, &c) in cosines.iter().enumerate() {
             let (s, p) = oracle::reflectances(cos.lane(k), range.n1, range.n2);
             let (s64, p64) = oracle::reflectances(c, range.n1, range.n2);
             let case64 = Case { incident: zero, normal: zero, cos: c, boundary };
-            for (f, (tally, answer)) in tallies.iter_mut().zip(&answers).enumerate() {
+            for ((tally, answer), candidate) in tallies.iter_mut().zip(&answers).zip(candidates) {
                 tally.asked += 1;
                 let got = answer.lane(k);
                 let mut one = |got: f32, want: f64, whole: f64| {
@@ -157,15 +189,15 @@ fn tally(plan: &Plan, formulas: &[Box<dyn Formula>; 5], range: &Range, number: u
                     tally.add(off / f64::from(ulp(want as f32)), off, relative);
                 };
                 // The reflectance in the plane of incidence has a zero: it is held against the other one.
-                if NAMES[f] == "per polarisation" {
+                if candidate.polarised {
                     let off_p = (f64::from(got.y) - p).abs();
                     one(got.x, s, s);
                     tally.worst.relative = tally.worst.relative.map(|worst| worst.max(off_p / s));
                 } else {
                     one(got.z, 0.5 * (s + p), 0.5 * (s + p));
                 }
-                let got = formulas[f].double(&case64).0;
-                let off = if NAMES[f] == "per polarisation" {
+                let got = candidate.formula.double(&case64).0;
+                let off = if candidate.polarised {
                     (got.x - s64).abs().max((got.y - p64).abs())
                 } else {
                     (got.z - 0.5 * (s64 + p64)).abs()

@@ -18,28 +18,31 @@ pub use csv::csv;
 pub use text::text;
 pub use timing::Time;
 
-use crate::{Error, Result};
+use crate::Error;
 
-/// What formulas are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// Refracted directions; errors are angles in radians.
-    Refraction,
-    /// Reflectances; errors are of the reflectance.
-    Fresnel,
-    /// Mirrored directions; errors are angles in radians.
-    Reflection,
-    /// One over a number; errors are in parts of it.
-    Reciprocal,
-    /// Ray/triangle tests; errors are of `t`, in parts of it.
-    Triangle,
+crate::choice! {
+    /// Groups of formulas.
+    pub enum Kind("of", derive(Eq)) {
+        /// Refracted directions; errors are angles in radians.
+        "refraction" => Refraction,
+        /// Reflectances; errors are differences of the reflectance.
+        "fresnel" => Fresnel,
+        /// Mirrored directions; errors are angles in radians.
+        "reflection" => Reflection,
+        /// Reciprocals; errors are relative.
+        "reciprocal" => Reciprocal,
+        /// Ray/triangle tests; errors of t are relative.
+        "triangle" => Triangle,
+    }
+}
+
+impl serde::Serialize for Kind {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Kind {
-    /// All of them, in the order of reports.
-    pub const ALL: [Self; 5] = [Self::Refraction, Self::Fresnel, Self::Reflection, Self::Reciprocal, Self::Triangle];
-
     /// What its errors are.
     #[must_use]
     pub fn unit(self) -> &'static str {
@@ -67,8 +70,8 @@ pub struct Plan {
 pub struct Formula {
     /// What it is of.
     pub kind: Kind,
-    /// Its name.
-    pub name: &'static str,
+    /// Its name, as in the option of the renderer that chooses it.
+    pub name: String,
     /// Nanoseconds, where it was timed.
     pub time: Option<Time>,
     /// How far off it is, by range.
@@ -131,7 +134,7 @@ impl Noted {
 ///
 /// # Errors
 /// `Interrupted`, where `done` says false.
-pub fn measure(plan: &Plan, mut done: impl FnMut() -> bool) -> Result<Vec<Formula>> {
+pub fn measure(plan: &Plan, mut done: impl FnMut() -> bool) -> crate::Result<Vec<Formula>> {
     let mut formulas = Vec::new();
     for kind in &plan.kinds {
         formulas.extend(match kind {

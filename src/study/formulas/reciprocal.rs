@@ -5,27 +5,44 @@ use std::hint::black_box;
 use super::timing::{Time, time};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{Real, ulp};
-use crate::simd::{Division, Estimate, F32x8, Guess, NewtonStep, Reciprocal};
+use crate::simd::{Estimate, F32x8, Reciprocal, ReciprocalModel, ReciprocalVisitor};
 use crate::trial::verify::sample::Rng;
 
 /// Ranges, with the exponents of two between which numbers are drawn.
 const RANGES: [(&str, f64, f64); 2] = [("1 to 2", 0.0, 1.0), ("2^-100 to 2^100", -100.0, 100.0)];
 
+/// Largest relative error of the estimate that was published for one maker of CPUs.
+const NOTED_ESTIMATE: f64 = 3.0e-4;
+
 pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
-    vec![formula::<Division>(plan, None), formula::<NewtonStep>(plan, None), formula::<Guess>(plan, Some(3.0e-4))]
+    ReciprocalModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
-fn formula<F: Reciprocal>(plan: &Plan, largest: Option<f64>) -> super::Formula {
-    let errors = RANGES.iter().enumerate().map(|(r, &(name, low, high))| {
-        let errors = tally::<F>(plan, r, low, high).errors(name);
-        let noted = largest.map(|value| {
-            let noted = Noted { value, ours: errors.worst.absolute, why: "" };
-            Noted { why: if noted.agrees() { "" } else { "another CPU, or none with such an instruction" }, ..noted }
+/// Measures the formula that it is called with.
+struct Measured<'a> {
+    plan: &'a Plan,
+    model: ReciprocalModel,
+}
+
+impl ReciprocalVisitor for Measured<'_> {
+    type Output = super::Formula;
+
+    fn visit<F: Reciprocal>(self, _formula: F) -> super::Formula {
+        let errors = RANGES.iter().enumerate().map(|(r, &(name, low, high))| {
+            let errors = tally::<F>(self.plan, r, low, high).errors(name);
+            let noted = (self.model == ReciprocalModel::Estimate).then(|| {
+                let noted = Noted { value: NOTED_ESTIMATE, ours: errors.worst.absolute, why: "" };
+                Noted {
+                    why: if noted.agrees() { "" } else { "another CPU, or none with such an instruction" },
+                    ..noted
+                }
+            });
+            Errors { noted, ..errors }
         });
-        Errors { noted, ..errors }
-    });
-    let errors = errors.collect();
-    super::Formula { kind: Kind::Reciprocal, name: F::NAME, time: plan.time.then(timed::<F>), ranges: errors }
+        let ranges = errors.collect();
+        let time = self.plan.time.then(timed::<F>);
+        super::Formula { kind: Kind::Reciprocal, name: self.model.to_string(), time, ranges }
+    }
 }
 
 fn tally<F: Reciprocal>(plan: &Plan, number: usize, low: f64, high: f64) -> Tally {

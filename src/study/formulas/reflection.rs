@@ -50,7 +50,7 @@ pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
             Errors { noted, ..errors }
         });
         let time = plan.time.then(|| formula.time());
-        super::Formula { kind: Kind::Reflection, name, time, ranges: errors.collect() }
+        super::Formula { kind: Kind::Reflection, name: String::from(*name), time, ranges: errors.collect() }
     });
     rows.collect()
 }

@@ -3,10 +3,9 @@
 use super::evaluate::{Answer, Case, Formula, lane};
 use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
+use crate::choice::Choice as _;
 use crate::math::{Real, Vector3};
-use crate::optics::{
-    Bec, Boundary, Heckbert, Oliveira, RefractionFormula, SlidesVector, Stable, StraightThrough, Trigonometric, oracle,
-};
+use crate::optics::{Boundary, Oliveira, RefractionFormula, RefractionModel, RefractionVisitor, oracle};
 use crate::simd::{F32x8, Vec3x8};
 use crate::trial::verify::sample::Rng;
 
@@ -53,94 +52,79 @@ const RANGES: [Range; 28] = [
     Range::new("air to glass at 85 degrees", 1.0, 1.5, Angles::At(85.0)),
 ];
 
-/// Largest errors in radians for the first fourteen ranges: trigonometric, Heckbert, Bec, slides, stable.
+/// Ranges of [`NOTED`]; the others are of single angles into water, then into glass.
+const GENERAL: usize = NOTED.len();
+
+/// Largest errors in radians for the first ranges: stable, trigonometric, Heckbert, Bec, slides.
 const NOTED: [[Option<f64>; 5]; 14] = [
-    [Some(9.6e-6), Some(1.6e-7), Some(1.5e-7), Some(1.5e-7), Some(1.4e-7)],
-    [Some(1.1e-5), Some(1.7e-7), Some(1.7e-7), Some(1.5e-7), None],
-    [Some(5.9e-6), Some(1.2e-7), Some(1.2e-7), Some(1.3e-7), None],
-    [Some(2.2e-5), Some(3.6e-6), Some(4.2e-6), Some(3.8e-6), None],
-    [Some(3.5e-5), Some(1.1e-5), Some(8.6e-6), Some(1.0e-5), Some(9.6e-6)],
-    [Some(4.8e-4), Some(7.5e-8), Some(7.5e-8), Some(8.0e-8), Some(8.6e-8)],
-    [None, Some(7.1e-8), Some(7.1e-8), Some(4.7e-8), None],
-    [Some(1.7e-7), Some(1.6e-7), Some(1.6e-7), Some(1.5e-7), Some(1.2e-7)],
-    [Some(9.6e-6), Some(8.8e-6), Some(9.8e-6), Some(8.9e-6), Some(7.5e-6)],
-    [Some(9.5e-5), Some(9.3e-5), Some(1.1e-4), Some(9.3e-5), Some(7.8e-5)],
-    [Some(6.7e-4), Some(6.7e-4), Some(7.2e-4), Some(6.7e-4), Some(6.9e-4)],
-    [Some(5.2e-5), Some(2.9e-5), Some(9.0e-5), Some(2.9e-5), Some(7.4e-8)],
-    [Some(2.4e-4), Some(1.4e-4), Some(2.9e-4), Some(1.4e-4), Some(1.5e-7)],
-    [Some(1.4e-5), Some(2.8e-6), Some(3.0e-6), Some(2.8e-6), Some(8.1e-8)],
+    [Some(1.4e-7), Some(9.6e-6), Some(1.6e-7), Some(1.5e-7), Some(1.5e-7)],
+    [None, Some(1.1e-5), Some(1.7e-7), Some(1.7e-7), Some(1.5e-7)],
+    [None, Some(5.9e-6), Some(1.2e-7), Some(1.2e-7), Some(1.3e-7)],
+    [None, Some(2.2e-5), Some(3.6e-6), Some(4.2e-6), Some(3.8e-6)],
+    [Some(9.6e-6), Some(3.5e-5), Some(1.1e-5), Some(8.6e-6), Some(1.0e-5)],
+    [Some(8.6e-8), Some(4.8e-4), Some(7.5e-8), Some(7.5e-8), Some(8.0e-8)],
+    [None, None, Some(7.1e-8), Some(7.1e-8), Some(4.7e-8)],
+    [Some(1.2e-7), Some(1.7e-7), Some(1.6e-7), Some(1.6e-7), Some(1.5e-7)],
+    [Some(7.5e-6), Some(9.6e-6), Some(8.8e-6), Some(9.8e-6), Some(8.9e-6)],
+    [Some(7.8e-5), Some(9.5e-5), Some(9.3e-5), Some(1.1e-4), Some(9.3e-5)],
+    [Some(6.9e-4), Some(6.7e-4), Some(6.7e-4), Some(7.2e-4), Some(6.7e-4)],
+    [Some(7.4e-8), Some(5.2e-5), Some(2.9e-5), Some(9.0e-5), Some(2.9e-5)],
+    [Some(1.5e-7), Some(2.4e-4), Some(1.4e-4), Some(2.9e-4), Some(1.4e-4)],
+    [Some(8.1e-8), Some(1.4e-5), Some(2.8e-6), Some(3.0e-6), Some(2.8e-6)],
 ];
 
-/// Oliveira's errors in degrees at 10, 20, 30, 45, 60, 75 and 85: water with c = 1, 0.33, 0.46; glass with 1, 0.5, 0.6645.
-const NOTED_OLIVEIRA: [[f64; 7]; 6] = [
-    [2.50, 4.90, 7.08, 9.62, 10.63, 9.07, 6.0],
-    [0.02, 0.18, 0.61, 2.17, 5.59, 12.1, 18.8],
-    [0.65, 1.17, 1.42, 0.91, 1.43, 6.8, 12.7],
-    [1.65, 3.18, 4.47, 5.63, 5.26, 2.59, 0.88],
-    [0.02, 0.18, 0.63, 2.24, 5.63, 11.8, 17.9],
-    [0.64, 1.15, 1.38, 0.85, 1.37, 6.2, 11.3],
+/// Oliveira's constants that are exact at small angles, into water and into glass.
+const FIRST_ORDER: [Oliveira; 2] = [Oliveira { c: 0.33 }, Oliveira { c: 0.5 }];
+
+/// Errors in degrees, by angle of incidence.
+type Degrees = [f64; 7];
+
+/// Oliveira's errors in degrees at 10, 20, 30, 45, 60, 75 and 85, into water and into glass, by constant.
+const NOTED_OLIVEIRA: [(Oliveira, Option<Degrees>, Option<Degrees>); 5] = [
+    (
+        Oliveira::AS_PRINTED,
+        Some([2.50, 4.90, 7.08, 9.62, 10.63, 9.07, 6.0]),
+        Some([1.65, 3.18, 4.47, 5.63, 5.26, 2.59, 0.88]),
+    ),
+    (FIRST_ORDER[0], Some([0.02, 0.18, 0.61, 2.17, 5.59, 12.1, 18.8]), None),
+    (Oliveira::WATER, Some([0.65, 1.17, 1.42, 0.91, 1.43, 6.8, 12.7]), None),
+    (FIRST_ORDER[1], None, Some([0.02, 0.18, 0.63, 2.24, 5.63, 11.8, 17.9])),
+    (Oliveira::GLASS, None, Some([0.64, 1.15, 1.38, 0.85, 1.37, 6.2, 11.3])),
 ];
 
-const NAMES: [&str; 11] = [
-    "stable",
-    "trigonometric",
-    "heckbert",
-    "bec",
-    "slides",
-    "straight",
-    "oliveira c=1",
-    "oliveira c=0.33",
-    "oliveira c=0.46",
-    "oliveira c=0.5",
-    "oliveira c=0.6645",
-];
-
-fn formulas() -> [Box<dyn Formula>; 11] {
-    [
-        Box::new(Refract(Stable)),
-        Box::new(Refract(Trigonometric)),
-        Box::new(Refract(Heckbert)),
-        Box::new(Refract(Bec)),
-        Box::new(Refract(SlidesVector)),
-        Box::new(Refract(StraightThrough)),
-        Box::new(Refract(Oliveira::AS_PRINTED)),
-        Box::new(Refract(Oliveira { c: 0.33 })),
-        Box::new(Refract(Oliveira::WATER)),
-        Box::new(Refract(Oliveira { c: 0.5 })),
-        Box::new(Refract(Oliveira::GLASS)),
-    ]
+/// All formulas that the renderer has, and Oliveira's with further constants.
+fn models() -> Vec<RefractionModel> {
+    let mut models = RefractionModel::compared();
+    models.extend(FIRST_ORDER.map(RefractionModel::Oliveira));
+    models
 }
 
-/// The figure noted for a formula and a range, if any.
-fn noted(formula: usize, range: usize) -> Option<f64> {
-    match range {
-        0..14 => {
-            let column = [4, 0, 1, 2, 3].get(formula)?;
-            NOTED[range][*column]
+/// The largest error in radians that was noted for a formula and a range, if any.
+fn noted(model: RefractionModel, range: usize) -> Option<f64> {
+    let column = match model {
+        RefractionModel::Oliveira(formula) => {
+            let (_, water, glass) = NOTED_OLIVEIRA.iter().find(|(noted, ..)| *noted == formula)?;
+            let single = range.checked_sub(GENERAL)?;
+            let degrees = if single < 7 { water } else { glass };
+            return degrees.as_ref().map(|degrees| degrees[single % 7].to_radians());
         }
-        _ => {
-            let (water, place) = (range < 21, (range - 14) % 7);
-            let row = match (formula, water) {
-                (6, true) => 0,
-                (7, true) => 1,
-                (8, true) => 2,
-                (6, false) => 3,
-                (9, false) => 4,
-                (10, false) => 5,
-                _ => return None,
-            };
-            Some(NOTED_OLIVEIRA[row][place].to_radians())
-        }
-    }
+        RefractionModel::Stable => 0,
+        RefractionModel::Trigonometric => 1,
+        RefractionModel::Heckbert => 2,
+        RefractionModel::Bec => 3,
+        RefractionModel::SlidesVector => 4,
+        _ => return None,
+    };
+    NOTED.get(range)?[column]
 }
 
-/// Why ours is another figure. What is said of fused products, of indices and of rays near the normal was tried: without
+/// Reason for which ours is another figure. What is said of fused products, of indices and of rays near the normal was tried: without
 /// the first, with `f32` indices, and with as many rays as there, the noted figures come out.
-fn why(formula: usize, range: usize, worst: f64, noted: f64) -> &'static str {
-    match (formula, range) {
-        _ if range >= 14 && (worst - noted).abs() < 2e-4 => "noted to a hundredth of a degree",
-        (4, 6) => "noted for another arrangement of it, GLSL's",
-        (1, _) => "the ray nearest to the normal decides",
+fn why(model: RefractionModel, range: usize, worst: f64, noted: f64) -> &'static str {
+    match (model, range) {
+        _ if range >= GENERAL && (worst - noted).abs() < 2e-4 => "noted to a hundredth of a degree",
+        (RefractionModel::SlidesVector, 6) => "noted for another arrangement of it, GLSL's",
+        (RefractionModel::Trigonometric, _) => "the ray nearest to the normal decides",
         (_, 13) => "noted for indices rounded to f32",
         (_, 10) => "there the rounding of the arguments decides",
         _ if worst < noted => "fused products here",
@@ -148,23 +132,35 @@ fn why(formula: usize, range: usize, worst: f64, noted: f64) -> &'static str {
     }
 }
 
+/// Makes a formula answer in every number type.
+struct Boxed;
+
+impl RefractionVisitor for Boxed {
+    type Output = Box<dyn Formula>;
+
+    fn visit<F: RefractionFormula>(self, formula: F) -> Box<dyn Formula> {
+        Box::new(Refract(formula))
+    }
+}
+
 pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
-    let formulas = formulas();
-    let ranges: Vec<[Tally; 11]> =
+    let models = models();
+    let formulas: Vec<Box<dyn Formula>> = models.iter().map(|model| model.dispatch(Boxed)).collect();
+    let ranges: Vec<Vec<Tally>> =
         RANGES.iter().enumerate().map(|(i, range)| tally(plan, &formulas, range, i)).collect();
-    let rows = NAMES.iter().zip(&formulas).enumerate().map(|(f, (name, formula))| {
-        let errors = |(r, tallies): (usize, &[Tally; 11])| {
+    let rows = models.iter().zip(&formulas).enumerate().map(|(f, (&model, formula))| {
+        let errors = |(r, tallies): (usize, &Vec<Tally>)| {
             let errors = tallies[f].errors(RANGES[r].name);
             let ours = errors.worst.absolute;
-            let noted = noted(f, r).map(|value| {
+            let noted = noted(model, r).map(|value| {
                 let noted = Noted { value, ours, why: "" };
-                Noted { why: if noted.agrees() { "" } else { why(f, r, ours, value) }, ..noted }
+                Noted { why: if noted.agrees() { "" } else { why(model, r, ours, value) }, ..noted }
             });
             Errors { noted, ..errors }
         };
         super::Formula {
             kind: Kind::Refraction,
-            name,
+            name: model.to_string(),
             time: plan.time.then(|| formula.time()),
             ranges: ranges.iter().enumerate().map(errors).collect(),
         }
@@ -172,9 +168,9 @@ pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
     rows.collect()
 }
 
-fn tally(plan: &Plan, formulas: &[Box<dyn Formula>; 11], range: &Range, number: usize) -> [Tally; 11] {
+fn tally(plan: &Plan, formulas: &[Box<dyn Formula>], range: &Range, number: usize) -> Vec<Tally> {
     let mut rng = Rng::new("formulas: refraction", number);
-    let mut tallies = [Tally::default(); 11];
+    let mut tallies = vec![Tally::default(); formulas.len()];
     let boundary8 = Boundary::<F32x8>::new(range.n1, range.n2);
     let boundary = Boundary::<f64>::new(range.n1, range.n2);
     for _ in 0..plan.count.div_ceil(8) {

@@ -80,14 +80,18 @@ fn leaks(formulas: &[&Formula]) -> String {
 }
 
 fn table(title: &str, formulas: &[&Formula], cell: impl Fn(&Errors) -> String) -> String {
-    let short = |name: &str| name.replace("oliveira ", "").chars().take(7).collect::<String>();
-    let heads: Vec<String> = formulas.iter().map(|f| format!("{:>7}", short(f.name))).collect();
+    let heads: Vec<String> = formulas.iter().map(|f| format!("{:>7}", short(&f.name))).collect();
     let mut lines = vec![format!("  {:<35} {}", title, heads.join(" "))];
     for (r, range) in formulas[0].ranges.iter().enumerate() {
         let cells: Vec<String> = formulas.iter().map(|f| format!("{:>7}", cell(&f.ranges[r]))).collect();
         lines.push(format!("  {:<35} {}", range.range, cells.join(" ")));
     }
     lines.join("\n")
+}
+
+/// The head of a narrow column: the number of a formula that has one, else the first letters of its name.
+fn short(name: &str) -> String {
+    name.find('=').map_or(name, |at| &name[at..]).chars().take(7).collect()
 }
 
 /// What to say of a figure that others found differently.

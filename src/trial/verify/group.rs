@@ -1,35 +1,36 @@
 //! Groups of test cases, by name.
 
-/// Group of test cases.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Group {
-    /// Rays from inside closed meshes, aimed at corners, at edges and anywhere, hit something.
-    Leaks,
-    /// Rays that leave a surface do not hit it again, and hit another surface close by.
-    SelfHits,
-    /// Reflectance against the oracle.
-    Fresnel,
-    /// Refracted directions against the oracle.
-    Refraction,
-    /// Mirror directions against the oracle.
-    Reflection,
-    /// Equal indices neither bend nor reflect; R + T = 1; one lane and eight agree to the bit.
-    Matched,
-    /// Empty lanes, poisoned lanes and the order of rays change no bit.
-    Lanes,
-    /// Hits equal those of testing every triangle.
-    Traversal,
-    /// Garbage gives valid hierarchies, and everything left out is counted.
-    Builds,
-    /// Light that arrives after long chains of reflections, plus truncated weight, is all the light.
-    Chains,
-    /// Hits in the user's scene agree with the arbiter.
-    Parity,
+crate::choice! {
+    /// Groups of cases.
+    pub enum Group("group", derive(Eq, Hash)) {
+        /// Rays from inside closed meshes, at corners, at edges and anywhere, hit something.
+        "leaks" => Leaks,
+        /// Rays that leave a surface do not hit it again, and hit another one close by.
+        "self-hits" => SelfHits,
+        /// Reflectance against the oracle.
+        "fresnel" => Fresnel,
+        /// Refracted directions against the oracle.
+        "refraction" => Refraction,
+        /// Mirror directions against the oracle.
+        "reflection" => Reflection,
+        /// Equal indices neither refract nor reflect; R + T = 1; one lane and eight agree to the bit.
+        "matched" => Matched,
+        /// Empty lanes, spoilt lanes and the order of rays change no bit.
+        "lanes" => Lanes,
+        /// Hits are those of testing every shape.
+        "traversal" => Traversal,
+        /// Garbage is built into sound trees, and shapes left out are counted.
+        "builds" => Builds,
+        /// Light after long chains of reflections and truncated weight add up to all light.
+        "chains" => Chains,
+        /// Hits at the given scene against the f64 arbiter.
+        "parity" => Parity,
+    }
 }
 
 impl Group {
-    /// All groups that need no scene.
-    pub const ALL: [Self; 10] = [
+    /// Groups that need no scene.
+    pub const OF_NO_SCENE: [Self; 10] = [
         Self::Leaks,
         Self::SelfHits,
         Self::Fresnel,
@@ -44,24 +45,6 @@ impl Group {
 
     /// Groups that run on a scene.
     pub const OF_SCENE: [Self; 3] = [Self::Leaks, Self::SelfHits, Self::Parity];
-
-    /// Returns the name on the command line and in reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Leaks => "leaks",
-            Self::SelfHits => "self-hits",
-            Self::Fresnel => "fresnel",
-            Self::Refraction => "refraction",
-            Self::Reflection => "reflection",
-            Self::Matched => "matched",
-            Self::Lanes => "lanes",
-            Self::Traversal => "traversal",
-            Self::Builds => "builds",
-            Self::Chains => "chains",
-            Self::Parity => "parity",
-        }
-    }
 
     /// Returns true if the group tests a back end, and false if it tests formulas alone.
     #[must_use]

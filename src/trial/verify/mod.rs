@@ -52,7 +52,7 @@ impl Plan {
     /// Returns a sample of every group, some seconds of work.
     #[must_use]
     pub fn quick() -> Self {
-        Self { groups: Group::ALL.to_vec(), full: false, rays: None }
+        Self { groups: Group::OF_NO_SCENE.to_vec(), full: false, rays: None }
     }
 
     /// Returns the number of cases: `full` or `quick`.
