@@ -375,6 +375,7 @@ fn faults_of_prose_are_found() {
         sentences("It ends (here). It does! `So.` 1.5 stays"),
         ["It ends (here).", "It does!", "`So.`", "1.5 stays"]
     );
+}
 
 /// Everything else names [`Backend`](vitrum::accel::Backend)s, which exist in every build.
 #[test]

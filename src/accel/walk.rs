@@ -93,7 +93,7 @@ impl Walk {
         reciprocal: ReciprocalModel,
     ) -> Result<Self> {
         let native = Native::try_build_as(geometry, quality)?;
-        let kernels = triangles.dispatch(By(reciprocal));
+        let kernels = triangles.dispatch(SelectTriangleTest(reciprocal));
         let [tested, settled] = [AtomicU64::new(0), AtomicU64::new(0)];
         Ok(Self { native, kernels, tested, settled })
     }
@@ -128,21 +128,21 @@ impl Intersector for Walk {
     }
 }
 
-/// Picks the kernels of a triangle test for a reciprocal.
-struct By(ReciprocalModel);
+/// Selects the kernels by triangle test, then by reciprocal.
+struct SelectTriangleTest(ReciprocalModel);
 
-impl TriangleVisitor for By {
+impl TriangleVisitor for SelectTriangleTest {
     type Output = Kernels;
 
     fn visit<T: TriangleTest>(self, test: T) -> Kernels {
-        self.0.dispatch(With(test))
+        self.0.dispatch(SelectReciprocal(test))
     }
 }
 
-/// Picks the kernels of a reciprocal for a triangle test.
-struct With<T>(T);
+/// Selects the kernels of a triangle test by reciprocal.
+struct SelectReciprocal<T>(T);
 
-impl<T: TriangleTest> ReciprocalVisitor for With<T> {
+impl<T: TriangleTest> ReciprocalVisitor for SelectReciprocal<T> {
     type Output = Kernels;
 
     fn visit<D: Reciprocal>(self, _reciprocal: D) -> Kernels {

@@ -385,7 +385,7 @@ fn widened(rgb: [f32; 3]) -> DVec3 {
 
 /// Returns a step through a list of `count` places that visits each once and keeps the visited ones evenly spread.
 fn even_stride(count: usize) -> usize {
-    let divides_both = |a: usize, b: usize| (2..=a.min(b)).any(|d| a % d == 0 && b % d == 0);
+    let divides_both = |a: usize, b: usize| (2..=a.min(b)).any(|d| a.is_multiple_of(d) && b.is_multiple_of(d));
     let golden = ((count as f64 * 0.618_033_988_749_894_9) as usize).max(1);
     (golden..).find(|&stride| !divides_both(stride, count)).unwrap_or(1)
 }

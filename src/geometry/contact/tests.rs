@@ -207,7 +207,7 @@ fn boxes_side_by_side_at_45_degrees_touch_wherever_they_stand() {
 }
 
 /// Many faces at one place, many planes close together at a slant, and many faces in one plane are no more work for each
-/// face than few; the same is found by any number of threads.
+/// face than few. The same is found by any number of threads.
 #[test]
 fn crowds_of_faces_are_found_by_any_number_of_threads() {
     let mut crowd = TriMesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Z], ..TriMesh::default() };
