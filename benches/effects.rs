@@ -14,9 +14,9 @@ use std::time::{Duration, Instant};
 use vitrum::accel::{Accel, Backend, BuildOptions};
 use vitrum::effects::{self, EffectPlan, Pipeline};
 use vitrum::load::{self, LoadOptions};
+use vitrum::measure::Figure;
 use vitrum::render::{Observer, Options, Outcome, render};
 use vitrum::scene::Scene;
-use vitrum::study::clock::Figure;
 
 /// Columns and rows of the pictures that are timed, one ray a pixel: at most so many, halved until one takes little time,
 /// so that many turns go into the interval.

@@ -20,8 +20,8 @@ use vitrum::accel::embree::sys::{
 use vitrum::accel::embree::{Embree, Frequency, Isa, Options, Quality, Scratch};
 use vitrum::accel::{Coherence, Intersector};
 use vitrum::geometry::{Hit8, Ray, Ray8, TriMesh};
+use vitrum::measure::Percentiles;
 use vitrum::simd::Mask8;
-use vitrum::trial::timing::{Figure, millions, ratio};
 use vitrum::trial::{Picture, View, rays};
 
 /// Pixels of a tile.
@@ -377,8 +377,8 @@ fn compare(library: &'static Library, model: &support::Model, once: bool) -> vit
     eprintln!("  time by streams over plain time, median of {rounds} rounds (10th to 90th percentile)");
     let names = PHASES.into_iter().chain(["whole"]);
     for (i, (name, rays)) in names.zip([pixels, seen, seen, seen, pixels + 2 * seen]).enumerate() {
-        let Figure { median, spread: [low, high] } = ratio(&plain_seconds[i], &stream_seconds[i]);
-        let rate = |seconds: &Seconds| millions(rays, &seconds[i]).median;
+        let Percentiles { median, spread: [low, high] } = Percentiles::of_ratio(&plain_seconds[i], &stream_seconds[i]);
+        let rate = |seconds: &Seconds| Percentiles::of_millions(rays, &seconds[i]).median;
         let (plain, streams) = (rate(&plain_seconds), rate(&stream_seconds));
         eprintln!("  {name:8} {median:.3} ({low:.3} to {high:.3}), {plain:.2} and {streams:.2} million a second");
     }

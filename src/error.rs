@@ -44,9 +44,24 @@ pub enum Error {
     /// A back end that cannot trace.
     #[error(transparent)]
     Unavailable(#[from] Unavailable),
+    /// More memory than there is.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// Ctrl-C.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// More than this machine takes on.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}: {needs} needed, {limit}")]
+pub struct TooLarge {
+    /// The thing that is too large.
+    pub what: String,
+    /// The amount that it needs, with its unit.
+    pub needs: String,
+    /// The amount that is left, the limit that leaves no more, and the cure.
+    pub limit: String,
 }
 
 /// Reason why a back end cannot trace the rays of a scene.
@@ -83,6 +98,9 @@ pub enum Unavailable {
     /// The library lacks a function, or was built with options that rule it out. Names the file, the reason and the cure.
     #[error("Embree: {0}")]
     Unfit(String),
+    /// There is not enough memory for the library.
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
     /// A call of the library failed.
     #[error("Embree: {0}")]
     Failed(String),
@@ -107,9 +125,16 @@ impl Error {
         match self {
             Self::Input { .. } | Self::File { .. } | Self::Usage(_) => 2,
             Self::Io { .. } => 3,
-            Self::Limit(_) | Self::Unavailable(_) => 4,
+            Self::Limit(_) | Self::Unavailable(_) | Self::TooLarge(_) => 4,
             Self::Interrupted => 130,
         }
+    }
+
+    /// Returns true if the request itself is refused, as unsound or too large: a study goes on without it. Failures of input,
+    /// output and interruptions are not.
+    #[must_use]
+    pub fn is_refusal(&self) -> bool {
+        matches!(self, Self::Usage(_) | Self::Limit(_) | Self::Unavailable(_) | Self::TooLarge(_))
     }
 
     /// Wrong input in `file` as a whole.

@@ -96,6 +96,7 @@ pub mod geometry;
 pub mod image;
 pub mod load;
 pub mod math;
+pub mod measure;
 pub mod notices;
 pub mod optics;
 pub mod render;

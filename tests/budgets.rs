@@ -244,6 +244,31 @@ fn a_picture_under_a_lamp_with_an_extent_is_kept_and_its_reference_named() {
     assert_eq!(made.budget["steps"].as_array().unwrap().len(), 1, "the first choice holds: {}", made.log);
 }
 
+/// Seven panes of index 1.5 before a wall of radiance 1 let 0.96 / (1 + 13 * 0.04) through. The reference's own cut-off takes
+/// some of it, which wider limits tell.
+#[test]
+fn a_bound_on_panes_in_a_row_is_shown_to_be_kept() {
+    let mut text = String::from(
+        "[camera]\neye = [0.3, 0.2, 50]\ntarget = [0.3, 0.2, 0]\nprojection = \"orthographic\"\nheight = 1\n\
+         [render]\nwidth = 2\nheight = 2\n[environment]\ntype = \"constant\"\ncolor = 0\n\
+         [[material]]\nname = \"glass\"\ntype = \"dielectric\"\nior = 1.5\n\
+         [[material]]\nname = \"wall\"\ntype = \"emissive\"\nemission = 1\n\
+         [[mesh]]\nshape = \"plane\"\npoint = [0, 0, -40]\nnormal = [0, 0, 1]\nmaterial = \"wall\"\n",
+    );
+    for z in 0..7 {
+        text +=
+            &format!("[[mesh]]\nshape = \"box\"\nsize = [20, 20, 0.5]\ncenter = [0, 0, -{z}]\nmaterial = \"glass\"\n");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let panes = folder.path().join("panes.toml");
+    std::fs::write(&panes, text).unwrap();
+    let made = made(&panes, 1.0 / 100.0, &[]);
+    let check = &made.budget["steps"].as_array().unwrap().last().unwrap()["check"];
+    assert_eq!((&made.budget["kept"], &check["undecided"]), (&true.into(), &0.into()), "{}", made.log);
+    let seen = f64::from(made.pixels[0][0]);
+    assert!((seen - 0.96 / 1.52).abs() < 1.0 / 100.0, "{seen}: {}", made.log);
+}
+
 #[test]
 fn a_bound_below_the_rounding_of_the_picture_is_refused() {
     let folder = tempfile::tempdir().unwrap();

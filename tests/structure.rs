@@ -4,7 +4,7 @@ mod build_flags;
 mod catalogue;
 mod mutants;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Allowed imports between rooms, as in `src/README.md`. A room may always import from itself, and from `error`, `choice`
@@ -16,6 +16,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("geometry", &["simd", "math"]),
     ("optics", &["simd", "math"]),
     ("accel", &["geometry", "simd", "math"]),
+    ("measure", &["accel", "simd", "math"]),
     ("scene", &["geometry", "math"]),
     ("effects", &["scene", "optics", "geometry"]),
     ("image", &[]),
@@ -23,13 +24,16 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("systems", &["scene", "optics", "geometry", "simd", "math"]),
     ("render", &["systems", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
     ("notices", &["load", "render", "effects", "scene", "accel", "geometry"]),
-    ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
-    ("study", &["trial", "load", "render", "systems", "scene", "optics", "accel", "geometry", "simd", "math", "image"]),
+    ("trial", &["render", "effects", "scene", "optics", "accel", "geometry", "simd", "math", "image", "measure"]),
+    (
+        "study",
+        &["measure", "load", "render", "systems", "scene", "optics", "accel", "geometry", "simd", "math", "image"],
+    ),
     (
         "cli",
         &[
-            "study", "trial", "notices", "load", "render", "systems", "effects", "accel", "image", "scene", "optics",
-            "simd", "math",
+            "study", "trial", "measure", "notices", "load", "render", "systems", "effects", "accel", "image", "scene",
+            "optics", "simd", "math",
         ],
     ),
 ];
@@ -137,4 +141,261 @@ fn every_test_file_belongs_to_a_binary() {
             assert!(inner == "mod" || there, "tests/{name}/mod.rs does not declare {inner}");
         }
     }
+}
+
+/// Folders of `src` in which no file or folder may import, through others, itself.
+const WITHOUT_CYCLES: &[&str] = &["accel/native"];
+
+/// The modules, as names from the crate's root, of all paths in some code that begin with `crate`, `self`, `super` or a
+/// module that the file declares. `here` is the file's own module.
+fn paths(code: &str, here: &[String]) -> Vec<Vec<String>> {
+    let declared = code.lines().filter_map(|line| line.trim_end().strip_suffix(';')?.rsplit_once("mod "));
+    let mut starts = vec!["crate", "self", "super"];
+    starts.extend(declared.map(|(_, name)| name));
+    let mut all = Vec::new();
+    for start in starts {
+        for (at, _) in code.match_indices(&format!("{start}::")) {
+            let before = code[..at].chars().next_back();
+            if !before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+                let base = if start == "crate" { Vec::new() } else { here.to_vec() };
+                let rest = if matches!(start, "crate" | "self") { &code[at + start.len() + 2..] } else { &code[at..] };
+                path_tree(rest, base, &mut all);
+            }
+        }
+    }
+    all
+}
+
+/// Adds the paths of a tree like `a::{b, c::d}`, which go on from `base`. Returns the code behind it.
+fn path_tree<'a>(code: &'a str, mut base: Vec<String>, all: &mut Vec<Vec<String>>) -> &'a str {
+    let name = leading_name(code);
+    let mut rest = &code[name.len()..];
+    match name.as_str() {
+        "super" => drop(base.pop()),
+        "" | "self" => {}
+        _ => base.push(name),
+    }
+    if let Some(inner) = rest.strip_prefix("::") {
+        return path_tree(inner, base, all);
+    }
+    if rest.starts_with('{') {
+        while let Some(inner) = rest.strip_prefix(['{', ',']) {
+            rest = path_tree(inner.trim_start(), base.clone(), all).trim_start();
+        }
+        return rest.strip_prefix('}').unwrap_or(rest);
+    }
+    all.push(base);
+    rest
+}
+
+/// The file of the deepest module that a path names.
+fn file_of(src: &Path, path: &[String]) -> Option<PathBuf> {
+    let module = (1..=path.len()).rev().find_map(|n| {
+        let stem: PathBuf = path[..n].iter().collect();
+        [stem.with_extension("rs"), stem.join("mod.rs")].into_iter().find(|file| src.join(file).is_file())
+    });
+    module.filter(|file| file.components().count() > 1)
+}
+
+/// A cycle among names joined by arrows, as the names on it.
+fn cycle(arrows: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
+    fn visit<'a>(
+        name: &'a str,
+        arrows: &'a BTreeMap<String, BTreeSet<String>>,
+        path: &mut Vec<&'a str>,
+        done: &mut BTreeSet<&'a str>,
+    ) -> Option<Vec<String>> {
+        if let Some(first) = path.iter().position(|&p| p == name) {
+            return Some(path[first..].iter().map(|&p| p.to_owned()).collect());
+        }
+        if !done.insert(name) {
+            return None;
+        }
+        path.push(name);
+        let found = arrows.get(name)?.iter().find_map(|next| visit(next, arrows, path, done));
+        path.pop();
+        found
+    }
+    // A name without arrows ends the search of its branch, not the path to it.
+    let whole: BTreeMap<String, BTreeSet<String>> = arrows
+        .values()
+        .flatten()
+        .map(|name| (name.clone(), BTreeSet::new()))
+        .chain(arrows.iter().map(|(name, to)| (name.clone(), to.clone())))
+        .collect();
+    let mut done = BTreeSet::new();
+    whole.keys().find_map(|name| visit(name, &whole, &mut Vec::new(), &mut done))
+}
+
+/// The import cycles below `src/room`, folder by folder: a folder counts as one with all that is in it.
+fn cycles(src: &Path, room: &str) -> Vec<String> {
+    let mut files = Vec::new();
+    rust_files(&src.join(room), &mut files);
+    let mut by_folder: BTreeMap<PathBuf, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+    for file in &files {
+        let from = file.strip_prefix(src).expect("file lies in src");
+        let mut here: Vec<String> = from.with_extension("").iter().map(|c| c.to_string_lossy().into_owned()).collect();
+        here.pop_if(|name| name == "mod");
+        let text = std::fs::read_to_string(file).expect("source can be read");
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().lines();
+        let code: Vec<&str> = code.filter(|line| !line.trim_start().starts_with("//")).collect();
+        for to in paths(&code.join("\n"), &here).iter().filter_map(|path| file_of(src, path)) {
+            let (mut folder, mut ends) = (PathBuf::new(), (from.iter(), to.iter()));
+            loop {
+                match (ends.0.next(), ends.1.next()) {
+                    (Some(a), Some(b)) if a == b => folder.push(a),
+                    (Some(a), Some(b)) if folder.starts_with(room) => {
+                        let arrows = by_folder.entry(folder).or_default();
+                        arrows.entry(a.to_string_lossy().into()).or_default().insert(b.to_string_lossy().into());
+                        break;
+                    }
+                    _ => break,
+                }
+            }
+        }
+    }
+    by_folder
+        .iter()
+        .filter_map(|(folder, arrows)| Some(format!("{}: {}", folder.display(), cycle(arrows)?.join(" → "))))
+        .collect()
+}
+
+#[test]
+fn no_file_or_folder_of_a_room_imports_itself_through_others() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let found: Vec<String> = WITHOUT_CYCLES.iter().flat_map(|room| cycles(&src, room)).collect();
+    assert!(found.is_empty(), "import cycles:\n{}", found.join("\n"));
+}
+
+#[test]
+fn imports_are_found_however_they_are_written() {
+    let here = ["a".to_owned(), "b".to_owned()];
+    let code =
+        "mod own;\nuse super::{c::D, e::{self, F}};\nuse crate::g::H;\nfn f(x: super::super::i::J) { own::k(self::l) }";
+    let found: BTreeSet<String> = paths(code, &here).iter().map(|path| path.join("::")).collect();
+    let want = ["a::b::l", "a::b::own::k", "a::c::D", "a::e", "a::e::F", "g::H", "i::J"];
+    assert_eq!(found, want.map(str::to_owned).into());
+    let arrows = |list: &[(&str, &str)]| {
+        let mut arrows: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for &(a, b) in list {
+            arrows.entry(a.into()).or_default().insert(b.into());
+        }
+        arrows
+    };
+    assert_eq!(cycle(&arrows(&[("a", "b"), ("a", "c"), ("b", "d"), ("c", "d")])), None);
+    let around = cycle(&arrows(&[("a", "b"), ("b", "d"), ("b", "c"), ("c", "b")]));
+    assert_eq!(around, Some(vec!["b".to_owned(), "c".to_owned()]));
+}
+
+/// Folders and files of `src` whose documentation is held to the rules of prose. The list grows until it is all of `src`.
+const FINISHED_PROSE: &[&str] = &["accel/native", "accel/walk.rs", "geometry", "math", "simd"];
+
+/// Words that open a doc comment which names its subject by a question.
+const QUESTIONS: [&str; 5] = ["What", "Whether", "How", "Where", "Which"];
+
+/// The most words of a sentence.
+const MOST_WORDS: usize = 35;
+
+/// The faults in the prose of one file's doc comments, each with its line.
+fn faults_of_prose(text: &str) -> Vec<(usize, String)> {
+    let mut faults = Vec::new();
+    let mut block: Vec<&str> = Vec::new();
+    let mut fenced = false;
+    for (i, line) in text.lines().chain([""]).enumerate() {
+        let line = line.trim_start();
+        let doc = line.strip_prefix("///").or_else(|| line.strip_prefix("//!")).map(str::trim);
+        // A paragraph ends with a list item, a table row, a heading or code, too.
+        let structured = |s: &str| s.is_empty() || s.starts_with(['#', '|', '-', '*', '`']) && !s.starts_with("`");
+        fenced ^= doc.is_some_and(|s| s.starts_with("```"));
+        let item =
+            doc.is_some_and(|s| structured(s) || s.split_once(". ").is_some_and(|(n, _)| n.parse::<u8>().is_ok()));
+        if doc.is_none() || item || fenced {
+            let paragraph = std::mem::take(&mut block).join(" ");
+            let long = sentences(&paragraph).into_iter().filter(|s| s.split_whitespace().count() > MOST_WORDS);
+            faults.extend(long.map(|s| (i, format!("{} words: {s}", s.split_whitespace().count()))));
+        }
+        match doc {
+            Some(_) if fenced => {}
+            Some(s) => {
+                let first = block.is_empty()
+                    && i.checked_sub(1).and_then(|k| text.lines().nth(k)).is_none_or(|before| {
+                        let before = before.trim_start();
+                        !before.starts_with("///") && !before.starts_with("//!")
+                    });
+                if first && QUESTIONS.contains(&leading_name(s).as_str()) {
+                    faults.push((i + 1, format!("opens with {}", leading_name(s))));
+                }
+                if !s.starts_with(['|', '#']) {
+                    block.push(s.trim_start_matches("- "));
+                }
+            }
+            None => {}
+        }
+    }
+    faults
+}
+
+/// The sentences of a paragraph: each ends with a stop, a question mark or an exclamation mark before a space.
+fn sentences(paragraph: &str) -> Vec<&str> {
+    let mut all = Vec::new();
+    let mut start = 0;
+    for (at, _) in paragraph.match_indices(' ') {
+        let closed = paragraph[..at].trim_end_matches([')', '"', '`', '*']);
+        if closed.ends_with(['.', '?', '!']) {
+            all.push(&paragraph[start..at]);
+            start = at + 1;
+        }
+    }
+    all.push(&paragraph[start..]);
+    all
+}
+
+#[test]
+fn documentation_names_its_subject_in_short_sentences() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    for place in FINISHED_PROSE {
+        let path = src.join(place);
+        if path.is_dir() { rust_files(&path, &mut files) } else { files.push(path) }
+    }
+    let mut wrong = Vec::new();
+    for file in &files {
+        for (line, fault) in faults_of_prose(&std::fs::read_to_string(file).expect("source can be read")) {
+            wrong.push(format!("{}:{line}: {fault}", file.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{} faults:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn faults_of_prose_are_found() {
+    let long = ["word"; MOST_WORDS].join(" ");
+    let of = |text: &str| faults_of_prose(text).into_iter().map(|(line, _)| line).collect::<Vec<_>>();
+    assert_eq!(of("/// Whether it does.\nfn f() {}\n\n/// Returns it.\n/// Where it is, it is.\nfn g() {}"), [1]);
+    assert_eq!(of(&format!("//! One {long}\n//! two.")), [2]);
+    assert_eq!(of(&format!("/// {long}.\n/// {long}.\nlet x;\n/// - {long}\n/// - {long}\n")), [0; 0]);
+    assert_eq!(of(&format!("/// ```\n/// Which {long} {long}\n/// ```\nfn f() {{}}")), [0; 0]);
+    assert_eq!(
+        sentences("It ends (here). It does! `So.` 1.5 stays"),
+        ["It ends (here).", "It does!", "`So.`", "1.5 stays"]
+    );
+}
+
+/// Everything else names [`Backend`](vitrum::accel::Backend)s, which exist in every build.
+#[test]
+fn one_line_outside_the_room_of_embree_depends_on_its_feature() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    let lines: Vec<String> = files
+        .iter()
+        .filter(|file| !file.starts_with(src.join("accel/embree")))
+        .flat_map(|file| {
+            let text = std::fs::read_to_string(file).expect("source can be read");
+            let name = file.strip_prefix(&src).expect("file lies in src").display().to_string();
+            let found = text.matches("feature = \"embree\"").count();
+            std::iter::repeat_n(name, found).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(lines, ["accel/mod.rs"]);
 }

@@ -114,7 +114,7 @@ pub(super) struct Traced {
     pub render_time: Duration,
     /// Version of the library that traced the rays, where it was not this program itself.
     pub library: Option<String>,
-    /// TestCounts of triangle tests, where the test was chosen.
+    /// Numbers of triangle tests, where the test was chosen.
     pub lanes: Option<TestCounts>,
 }
 
@@ -154,7 +154,7 @@ pub(super) fn trace(
             let walk = Walk::try_build(&scene.geometry, bvh, triangles, reciprocal)?;
             let accel = Unbounded::new(walk, &scene.geometry);
             let traced = with(&accel, start, scene, options, observer, exposure)?;
-            Ok(Traced { lanes: Some(accel.inner().lanes()), ..traced })
+            Ok(Traced { lanes: Some(accel.inner().test_counts()), ..traced })
         }
         Renderer::Reference => {
             let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
@@ -162,7 +162,10 @@ pub(super) fn trace(
             if let Some(exposure) = exposure {
                 // Native follows a sample further in a fraction of the time.
                 let accel = Accel::build(Backend::Native, &scene.geometry, bvh)?;
-                look(scene, &accel, options, observer, exposure, &mut outcome)?;
+                // Maps that reflectors show are captured once.
+                let maps = outcome.maps.as_ref().map(|report| report.maps.clone());
+                let options = &Options { maps, ..options.clone() };
+                look(scene, &Pixels::new(&accel, options, observer), options, exposure, &mut outcome)?;
             }
             let build_time = Duration::ZERO;
             Ok(Traced { outcome, build: None, build_time, render_time, library: None, lanes: None })
@@ -180,11 +183,13 @@ fn with<I: Intersector>(
     exposure: Option<f32>,
 ) -> Result<Traced> {
     let build_time = start.elapsed();
-    let mut outcome = interrupt::heeded(|| render::render(scene, accel, options, observer))?;
+    let pixels = Pixels::new(accel, options, observer);
+    let mut outcome = interrupt::heeded(|| pixels.picture(scene))?;
     let render_time = start.elapsed() - build_time;
     if let Some(exposure) = exposure {
-        look(scene, accel, options, observer, exposure, &mut outcome)?;
+        look(scene, &pixels, options, exposure, &mut outcome)?;
     }
+    drop(pixels);
     let build = Some(accel.build_stats());
     Ok(Traced { outcome, build, build_time, render_time, library: None, lanes: None })
 }
@@ -192,16 +197,11 @@ fn with<I: Intersector>(
 /// Looks for visible light that a picture lacks.
 fn look<I: Intersector>(
     scene: &Scene,
-    accel: &I,
+    pixels: &Pixels<I>,
     options: &Options,
-    observer: &Observer,
     exposure: f32,
     outcome: &mut Outcome,
 ) -> Result<()> {
-    // Maps that reflectors show are taken once.
-    let maps = outcome.maps.as_ref().map(|report| report.maps.clone());
-    let options = &Options { maps, ..options.clone() };
-    let pixels = Pixels::new(accel, options, observer);
     let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
     outcome.shortfall = interrupt::heeded(|| Shortfall::of(scene, options, outcome, exposure, &again))?;
     Ok(())

@@ -9,10 +9,11 @@ use super::{Verdict, interrupt, output, progress, view};
 use crate::accel::embree;
 use crate::load::shapes::{self, Wave};
 use crate::load::{self, LoadOptions, Loaded};
+use crate::measure::Machine;
 use crate::render::Observer;
 use crate::scene::Scene;
 use crate::trial::frames::FramePlan;
-use crate::trial::{self, Machine, Outcome, Subject, Watch};
+use crate::trial::{self, Outcome, Subject, Watch};
 use crate::{Error, Result};
 
 /// Loads, checks, times and reports.

@@ -3,8 +3,8 @@
 use super::{Verdict, output};
 use crate::accel::Backend;
 use crate::accel::embree::{self, Installed};
+use crate::measure::machine;
 use crate::simd::level;
-use crate::trial::machine;
 use crate::{Error, Result};
 
 /// Advice on the back end. README.md has the measurements.

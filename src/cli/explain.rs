@@ -4,16 +4,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::options::Explain;
-use super::table::grouped;
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects::{self, Effect, EffectPlan};
 use crate::image::Film;
+use crate::measure::Percentiles;
+use crate::measure::table::grouped;
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
-use crate::trial::timing::{self, Figure};
 
 /// Touching pairs that the text lists.
 const MOST_PAIRS: usize = 12;
@@ -99,7 +99,7 @@ impl Measured {
         })?;
         let all = &outcomes[0];
         let worth = |k: usize| {
-            let Figure { median, spread } = timing::ratio(&seconds[k], &seconds[0]);
+            let Percentiles { median, spread } = Percentiles::of_ratio(&seconds[k], &seconds[0]);
             let (rmse, pixels) = change(&all.film, &outcomes[k].film);
             let rays = all.rays.total() as i64 - outcomes[k].rays.total() as i64;
             Worth { time: [median, spread[0], spread[1]], rmse, pixels, rays }

@@ -33,8 +33,8 @@ pub(super) fn run(job: &Formulas) -> Result<Verdict> {
         output::print_json(&Report {
             version: env!("CARGO_PKG_VERSION"),
             simd: level::BUILT,
-            fused: level::BUILT.ends_with("+ FMA"),
-            cpu: crate::trial::machine::cpu(),
+            fused: crate::math::FUSED,
+            cpu: crate::measure::machine::cpu(),
             count: job.plan.count,
             formulas: measured,
         })?;

@@ -8,12 +8,12 @@ use super::{Verdict, backend, interrupt, output, progress};
 use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::load::{self, LoadOptions};
+use crate::measure::Machine;
 use crate::render::{self, Observer};
 use crate::study::html::{self, Pair, References};
 use crate::study::variant::quoted;
 use crate::study::{self, Report, Subject, Variant, Watch};
 use crate::system::files;
-use crate::trial::Machine;
 use crate::{Error, Result};
 
 /// Loads, studies, writes and reports.

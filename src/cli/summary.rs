@@ -6,11 +6,12 @@ use super::backend::{Renderer, Traced};
 use super::budget::Spent;
 use super::options::Render;
 use super::systems::Systems;
-use super::table::{bytes, counted, grouped, rays};
+use super::table::rays;
 use super::unmatched::{Leak, Unmatched};
 use super::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
+use crate::measure::table::{bytes, counted, grouped};
 use crate::render::{RayCounts, RayKind, Shortfall};
 use crate::scene::Scene;
 use crate::simd::level;
@@ -346,7 +347,7 @@ impl<'a> Summary<'a> {
         lines.extend(self.unmatched.iter().cloned());
         lines.extend(self.defaults.iter().map(|d| format!("{:<10} {d}", "default")));
         lines.extend(self.warnings.lines());
-        if level::BUILT.ends_with("without FMA") {
+        if cfg!(target_arch = "x86_64") && !crate::math::FUSED {
             lines.push(format!("warning: built for {}: slower and less exact; {}", level::BUILT, level::CURE));
         }
         lines.join("\n")

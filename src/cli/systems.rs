@@ -1,6 +1,6 @@
 //! Reflection systems in the summary of a render.
 
-use super::table::{counted, grouped};
+use crate::measure::table::{counted, grouped};
 use crate::render::{Outcome, RayKind};
 use crate::scene::Scene;
 

@@ -1,39 +1,10 @@
 //! Figures set for reading.
 
+use crate::measure::table::grouped;
 use crate::render::{RayCounts, RayKind};
 
 /// Depths shown one a line; deeper ones share the last line.
 const DEPTHS: usize = 8;
-
-/// `n` with its thousands apart, in the manner of the SI.
-pub(super) fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// `1 plane`, `2 planes`.
-pub(super) fn counted(n: u64, noun: &str) -> String {
-    format!("{} {noun}{}", grouped(n), if n == 1 { "" } else { "s" })
-}
-
-/// Bytes in the largest binary unit that leaves at least 1.
-pub(super) fn bytes(n: u64) -> String {
-    let units = ["B", "KiB", "MiB", "GiB", "TiB"];
-    let mut x = n as f64;
-    let mut unit = 0;
-    while x >= 1024.0 && unit + 1 < units.len() {
-        x /= 1024.0;
-        unit += 1;
-    }
-    if unit == 0 { format!("{n} B") } else { format!("{x:.1} {}", units[unit]) }
-}
 
 /// Rays by depth and kind, each line led by `indent`.
 pub(super) fn rays(counts: &RayCounts, indent: &str) -> String {
@@ -66,13 +37,6 @@ pub(super) fn rays(counts: &RayCounts, indent: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn thousands_stand_apart() {
-        assert_eq!([0, 7, 999, 1000, 1_234_567].map(grouped), ["0", "7", "999", "1 000", "1 234 567"]);
-        assert_eq!((counted(1, "plane"), counted(0, "plane")), ("1 plane".into(), "0 planes".into()));
-        assert_eq!([0, 1023, 1024, 1_572_864].map(bytes), ["0 B", "1023 B", "1.0 KiB", "1.5 MiB"]);
-    }
 
     #[test]
     fn the_table_of_rays_is_aligned_and_keeps_every_ray() {

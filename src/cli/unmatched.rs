@@ -1,8 +1,8 @@
 //! Objects that rays left without having entered their medium, with the likely cause and its cure.
 
 use super::backend::Renderer;
-use super::table::{counted, grouped};
 use crate::load::{Hull, LoadReport};
+use crate::measure::table::{counted, grouped};
 use crate::notices::INSIDE_OUT_CURE;
 use crate::render::Outcome;
 use crate::scene::Scene;

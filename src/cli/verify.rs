@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::options::Verify;
-use super::table::{counted, grouped};
 use super::warnings::Warnings;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::Backend;
+use crate::measure::table::{counted, grouped};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;

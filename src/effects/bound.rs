@@ -18,10 +18,7 @@ use super::Reach;
 use super::shell::Shell;
 use crate::geometry::Shape;
 use crate::optics::Spectrum;
-use crate::scene::{Colour, FresnelRule, Interface, Light, Medium, MirrorSource, Rgb, Scene};
-
-/// Largest number of consecutive surfaces that a ray may pass.
-const MOST_PASSES: usize = 256;
+use crate::scene::{Colour, FresnelRule, Interface, Light, MOST_PASSES, Medium, MirrorSource, Rgb, Scene};
 
 /// Relative margin for rounding sums of weights in `f32`; far larger than the error.
 const ROUNDED_UP: f64 = 1.01;
@@ -190,7 +187,7 @@ fn passes(scene: &Scene, met: impl Iterator<Item = usize>) -> usize {
             Shape::Mesh(mesh) => mesh.triangles.len(),
         })
         .sum::<usize>()
-        .min(MOST_PASSES)
+        .min(MOST_PASSES as usize)
 }
 
 /// Returns the largest number of secondary rays of one hit.

@@ -14,7 +14,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing and that any union replaces.
+    /// The empty box, the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
     /// The smallest box around `points`.
@@ -30,21 +30,21 @@ impl Aabb {
         Self { lo: self.lo.min(p), hi: self.hi.max(p) }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[inline(always)]
     #[must_use]
     pub fn union(self, o: Self) -> Self {
         Self { lo: self.lo.min(o.lo), hi: self.hi.max(o.hi) }
     }
 
-    /// Whether it holds no point.
+    /// Returns true if the box contains no point.
     #[inline(always)]
     #[must_use]
     pub fn is_empty(&self) -> bool {
         !self.lo.cmple(self.hi).all()
     }
 
-    /// Whether `o` lies wholly inside (closed boxes).
+    /// Returns true if `o` lies inside this box. Both boxes are closed.
     #[must_use]
     pub fn contains(&self, o: &Self) -> bool {
         self.lo.cmple(o.lo).all() && self.hi.cmpge(o.hi).all()
@@ -65,7 +65,7 @@ impl Aabb {
         self.hi - self.lo
     }
 
-    /// The middle, halved before adding so that it cannot overflow.
+    /// The centre. Corners are halved before they are added, so that the sum cannot overflow.
     #[inline(always)]
     #[must_use]
     pub fn centre(&self) -> Vec3 {

@@ -1,11 +1,11 @@
-//! Where a ray ends: ids and coordinates, whose meaning is looked up later.
+//! Hits: ids and coordinates. Materials and normals are looked up later.
 
 use crate::simd::F32x8;
 
 /// The geometry id of a miss.
 pub const NO_GEOMETRY: u32 = u32::MAX;
 
-/// The nearest meeting of one ray, or a miss.
+/// The closest hit of one ray, or a miss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter; infinite on a miss.
@@ -16,39 +16,39 @@ pub struct Hit {
     pub v: f32,
     /// Instance; 0 until scenes hold instances.
     pub instance: u32,
-    /// Place of the geometry in the list the accelerator was built from; [`NO_GEOMETRY`] on a miss.
+    /// Index of the geometry in the list the accelerator was built from; [`NO_GEOMETRY`] on a miss.
     pub geometry: u32,
     /// Triangle within the mesh; 0 on other shapes.
     pub primitive: u32,
 }
 
 impl Hit {
-    /// No meeting.
+    /// A miss.
     pub const MISS: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, instance: 0, geometry: NO_GEOMETRY, primitive: 0 };
 
-    /// Whether there was a meeting.
+    /// Returns true unless this is a miss.
     #[inline(always)]
     #[must_use]
     pub fn is_hit(&self) -> bool {
         self.geometry != NO_GEOMETRY
     }
 
-    /// What settles two hits at the same `t`: the lower one wins.
+    /// The key that decides between hits at the same `t`: the lower one wins.
     #[must_use]
     pub fn id(&self) -> (u32, u32, u32) {
         (self.instance, self.geometry, self.primitive)
     }
 }
 
-/// Eight of [`Hit`] in structure-of-arrays.
+/// Eight hits ([`Hit`]) in structure-of-arrays.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Hit8 {
     /// Ray parameters; infinite on a miss.
     pub t: F32x8,
-    /// Weights of the second corners.
+    /// Barycentric weights of the second corners.
     pub u: F32x8,
-    /// Weights of the third corners.
+    /// Barycentric weights of the third corners.
     pub v: F32x8,
     /// Instances.
     pub instance: [u32; 8],

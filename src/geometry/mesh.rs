@@ -1,26 +1,26 @@
-//! Indexed triangles.
+//! Triangle meshes.
 
 use glam::{Vec2, Vec3};
 
 use super::{Aabb, COORDINATE_LIMIT};
 
-/// Indexed triangles with optional attributes at their corners.
+/// An indexed triangle mesh with optional attributes at the corners.
 ///
-/// Every index is in range; coordinates may still be anything, and an accelerator leaves out (and counts) the
-/// triangles that [`TriMesh::is_usable`] refuses.
+/// Every index is in range. Coordinates may have any value: an accelerator leaves out, and counts, triangles that are not
+/// usable ([`TriMesh::is_usable`]).
 #[derive(Clone, Debug, Default)]
 pub struct TriMesh {
     /// Corner positions, in scene units.
     pub positions: Vec<Vec3>,
-    /// Three indices into `positions` a triangle; counter-clockwise seen from outside.
+    /// Three indices into `positions` for each triangle, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normals to interpolate; empty where the mesh is flat.
+    /// Unit normals to interpolate; empty if the mesh is flat-shaded.
     pub normals: Vec<Vec3>,
-    /// Three indices into `normals` a triangle; empty with `normals`.
+    /// Three indices into `normals` for each triangle; empty if `normals` is.
     pub normal_indices: Vec<[u32; 3]>,
-    /// Texture coordinates; empty where the mesh has none.
+    /// Texture coordinates; empty if the mesh has none.
     pub uvs: Vec<Vec2>,
-    /// Three indices into `uvs` a triangle; empty with `uvs`.
+    /// Three indices into `uvs` for each triangle; empty if `uvs` is.
     pub uv_indices: Vec<[u32; 3]>,
 }
 
@@ -45,22 +45,22 @@ impl TriMesh {
         self.triangles[i].map(|k| self.positions[k as usize])
     }
 
-    /// The interpolated-normal corners of triangle `i`, where the mesh has any.
+    /// The normals at the corners of triangle `i`, if the mesh has any.
     #[inline(always)]
     #[must_use]
     pub fn corner_normals(&self, i: usize) -> Option<[Vec3; 3]> {
         self.normal_indices.get(i).map(|n| n.map(|k| self.normals[k as usize]))
     }
 
-    /// The texture-coordinate corners of triangle `i`, where the mesh has any.
+    /// The texture coordinates at the corners of triangle `i`, if the mesh has any.
     #[inline(always)]
     #[must_use]
     pub fn corner_uvs(&self, i: usize) -> Option<[Vec2; 3]> {
         self.uv_indices.get(i).map(|n| n.map(|k| self.uvs[k as usize]))
     }
 
-    /// Whether triangle `i` can be hit: finite corners within [`COORDINATE_LIMIT`], and three different ones.
-    /// Thin and even collinear triangles are kept: they hold the edges of their neighbours.
+    /// Returns true if triangle `i` can be hit: its corners are finite, within [`COORDINATE_LIMIT`], and different from each
+    /// other. Thin and even collinear triangles are usable, since they close the gaps between their neighbours.
     #[must_use]
     pub fn is_usable(&self, i: usize) -> bool {
         is_usable(&self.corners(i))
@@ -75,7 +75,7 @@ impl TriMesh {
     }
 }
 
-/// Whether a triangle with these corners can be hit ([`TriMesh::is_usable`]).
+/// Returns true if a triangle with these corners can be hit ([`TriMesh::is_usable`]).
 #[inline(always)]
 pub(crate) fn is_usable([a, b, c]: &[Vec3; 3]) -> bool {
     let small = |p: &Vec3| p.abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all();

@@ -1,4 +1,4 @@
-//! Rays, hits and the shapes that rays meet. No materials: a shape knows only where it is.
+//! Rays, hits, and shapes with their intersection tests. Shapes have no materials.
 
 mod aabb;
 pub mod contact;
@@ -25,24 +25,24 @@ pub use spawn::Spot;
 pub use sphere::Sphere;
 pub use triangle::intersect as intersect_triangle;
 
-/// The largest magnitude of a coordinate that takes part in intersection, in scene units: areas stay finite in
-/// `f32`. It is the number below Embree's bound, which is 1.844e18 (`FLT_LARGE`) and exclusive.
+/// The largest magnitude of a coordinate that takes part in intersection, in scene units. Below it areas stay finite in
+/// `f32`. It is the largest number below Embree's exclusive bound, 1.844e18 (`FLT_LARGE`).
 pub const COORDINATE_LIMIT: f32 = 1.844e18_f32.next_down();
 
-/// Which kinds of geometry a ray looks for; a set of bits.
+/// A set of geometry classes: those a shape belongs to, or those a ray can hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(transparent)]
 pub struct GeometryMask(pub u8);
 
 impl GeometryMask {
-    /// Surfaces that let no light through.
+    /// Opaque surfaces.
     pub const OPAQUE: Self = Self(1);
-    /// Surfaces that let light through.
+    /// Surfaces that transmit light.
     pub const TRANSMISSIVE: Self = Self(2);
-    /// Every surface.
+    /// All surfaces.
     pub const ALL: Self = Self(3);
 
-    /// Whether the two sets share a kind.
+    /// Returns true if the two sets share a class.
     #[inline(always)]
     #[must_use]
     pub const fn meets(self, other: Self) -> bool {
@@ -56,12 +56,12 @@ impl Default for GeometryMask {
     }
 }
 
-/// One shape of a scene. Its place in the list handed to an accelerator is the `geometry` of a hit.
+/// One shape of a scene. Its index in the list that an accelerator is built from is the `geometry` of a hit.
 #[derive(Clone, Debug)]
 pub struct Geometry {
-    /// What it looks like.
+    /// The shape.
     pub shape: Shape,
-    /// The kinds it counts as; a ray passes through whatever its own mask does not meet.
+    /// The classes of the shape. A ray hits the shape only if their masks share a class.
     pub mask: GeometryMask,
 }
 
@@ -73,14 +73,14 @@ impl Geometry {
     }
 }
 
-/// The shapes that can be intersected.
+/// A shape.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// Triangles; the hit's `primitive` is the triangle.
+    /// A triangle mesh; the hit's `primitive` is the triangle.
     Mesh(TriMesh),
     /// An exact sphere; `primitive` is 0.
     Sphere(Sphere),
-    /// An infinite plane, which no bounding box holds; `primitive` is 0.
+    /// An infinite plane, which has no bounding box; `primitive` is 0.
     Plane(Plane),
 }
 

@@ -6,24 +6,24 @@ use super::slab::upper_end;
 use super::{COORDINATE_LIMIT, Ray};
 use crate::math::{Real, Vector3};
 
-/// The points `p` with `normal . (p - point) = 0`; the outside is where the normal points.
+/// An infinite plane: the points `p` with `normal . (p - point) = 0`. The normal points outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// A point on it, in scene units.
+    /// A point on the plane, in scene units.
     pub point: Vec3,
     /// Unit normal.
     pub normal: Vec3,
 }
 
 impl Plane {
-    /// Whether rays can meet it: a point within [`COORDINATE_LIMIT`] and a normal that is one.
+    /// Returns true if rays can hit the plane: the point is within [`COORDINATE_LIMIT`] and the normal is of unit length.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         let near = self.point.abs().cmple(Vec3::splat(COORDINATE_LIMIT)).all();
         near && self.normal.is_finite() && (self.normal.length_squared() - 1.0).abs() < 1e-3
     }
 
-    /// Where `ray` meets the plane, from either side. This is what the eight-wide kernel means.
+    /// Intersects `ray` with the plane, from either side. Returns `t`. This scalar test defines the eight-wide kernel.
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<f32> {
         let t_max = upper_end(ray)?;
@@ -32,7 +32,7 @@ impl Plane {
     }
 }
 
-/// Where the line of each ray meets the plane; infinite or NaN where it runs along it.
+/// Intersects the line of each ray with the plane. Returns `t`, which is infinite or NaN if the line is parallel to it.
 #[inline(always)]
 pub(crate) fn intersect<R: Real>(origin: Vector3<R>, dir: Vector3<R>, point: Vector3<R>, normal: Vector3<R>) -> R {
     (point - origin).dot(normal) / dir.dot(normal)

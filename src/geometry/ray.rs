@@ -1,4 +1,4 @@
-//! One ray and eight.
+//! Rays, and packets of eight rays.
 
 use glam::Vec3;
 
@@ -8,46 +8,46 @@ use crate::simd::{F32x8, Vec3x8};
 /// A ray: the points `origin + t * dir` with `t_min < t <= t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Start, in scene units.
+    /// Origin, in scene units.
     pub origin: Vec3,
-    /// Direction; of any length but zero, though `t` is a distance only where it is one.
+    /// Direction, of any length except zero. `t` is a distance only if the length is 1.
     pub dir: Vec3,
-    /// Hits at or below this parameter are not seen.
+    /// Hits with `t <= t_min` are ignored.
     pub t_min: f32,
-    /// Hits above this parameter are not seen.
+    /// Hits with `t > t_max` are ignored.
     pub t_max: f32,
-    /// The kinds of geometry it looks for.
+    /// The geometry classes that the ray can hit.
     pub admits: GeometryMask,
 }
 
 impl Ray {
-    /// A ray over `0 < t <= inf` that sees everything.
+    /// A ray over `0 < t <= inf` that can hit all geometry.
     #[must_use]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {
         Self { origin, dir, t_min: 0.0, t_max: f32::INFINITY, admits: GeometryMask::ALL }
     }
 }
 
-/// Eight rays in structure-of-arrays. Lanes whose `active` bit is clear may hold anything at all.
+/// A ray packet: eight rays in structure-of-arrays. Lanes whose `active` bit is clear may hold any value.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct Ray8 {
-    /// Starts, in scene units.
+    /// Origins, in scene units.
     pub origin: Vec3x8,
     /// Directions, as in [`Ray::dir`].
     pub dir: Vec3x8,
-    /// Hits at or below are not seen.
+    /// Hits with `t <= t_min` are ignored.
     pub t_min: F32x8,
-    /// Hits above are not seen.
+    /// Hits with `t > t_max` are ignored.
     pub t_max: F32x8,
-    /// Which lanes hold a ray, lane 0 lowest.
+    /// Lanes that hold a ray, lane 0 in the lowest bit.
     pub active: u8,
-    /// The kinds of geometry that all eight look for: rays are queued by kind, so one mask serves a packet.
+    /// The geometry classes that all eight rays can hit. Rays with different masks are queued apart.
     pub admits: GeometryMask,
 }
 
 impl Default for Ray8 {
-    /// Eight inactive lanes, with numbers that intersection arithmetic stays finite on.
+    /// Eight inactive lanes, with values on which intersection arithmetic stays finite.
     fn default() -> Self {
         Self {
             origin: Vec3x8::splat(Vec3::ZERO),
@@ -74,7 +74,7 @@ impl Ray8 {
         }
     }
 
-    /// Puts `ray` into lane `i` (0..8) and marks it active. The packet takes on the ray's mask.
+    /// Puts `ray` into lane `i` (0..8) and marks it active. The whole packet takes the mask of the ray.
     #[inline(always)]
     pub fn set_lane(&mut self, i: usize, ray: &Ray) {
         self.origin.set_lane(i, ray.origin);

@@ -1,4 +1,4 @@
-//! The region between a point of a surface and a lamp: what lies outside of it shades no part of the lamp there.
+//! Shafts: the region between a point of a surface and a lamp. Only objects inside it can shade the point.
 
 use glam::Vec3;
 
@@ -12,25 +12,24 @@ const ROUNDING: f32 = 4e-6;
 /// Sine of the largest angle above the surface at which triangles still count as part of it: 32 unit roundoffs.
 const GRAZING: f32 = 2e-6;
 
-/// Part of a distance that shadow rays are shorter by than their lamp is far, at least: a quarter of what
-/// `before_lamp` takes off.
+/// Relative length that shadow rays end before their lamp, at least: a quarter of the length that `before_lamp` subtracts.
 const SHORTER: f32 = 5e-7;
 
-/// The content of a shaft.
+/// The occluders in a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// Nothing: no ray in it meets anything.
+    /// None: no ray in the shaft hits anything.
     Empty,
-    /// One surface that blocks every ray in it.
+    /// One opaque surface blocks every ray in the shaft.
     Covered,
-    /// Something, or something that rounding cannot be told from.
+    /// Some objects, or undecided because of rounding.
     Mixed,
 }
 
 /// A shaft: the part of a pyramid between its apex, on a surface, and a lamp.
 ///
-/// All of it is bounded outwards, so that [`Content::Empty`] and [`Content::Covered`] hold for the rays that `f32` makes
-/// of it, not only for exact ones.
+/// All bounds are conservative: [`Content::Empty`] and [`Content::Covered`] hold for rays with `f32` rounding, not only for
+/// exact ones.
 #[derive(Clone, Debug)]
 pub struct Shaft {
     from: Vec3,

@@ -1,54 +1,55 @@
-//! A ray against an axis-aligned box, and how much wider than a shape its box has to be.
+//! The slab test of a ray against an axis-aligned box, and the margin by which the box of a shape is grown.
 //!
-//! Written once for one ray and for eight lanes. Every step is monotone in the planes of the box, as computed: a box
-//! inside another is never entered earlier nor left later, not by one ulp. The shapes limit their own `t` to the
-//! interval of their own box, so no hierarchy of enclosing boxes can lose, or gain, a hit.
+//! One text serves one ray and eight lanes. Every step is monotone in the planes of the box, as computed: a ray never enters
+//! an inner box earlier than the outer one, nor leaves it later, not by one ulp. Shapes clamp their `t` to the interval of
+//! their own box. So no hierarchy of enclosing boxes can lose or gain a hit.
 
 use super::Ray;
 use crate::math::{Real, Vector3};
 
-/// The largest ray parameter that is looked at: what lies beyond is not seen, whatever `t_max` says.
-/// Below the largest `f32`, so that an interval can be widened without overflowing.
+/// The largest ray parameter of a hit: hits beyond it are ignored, whatever `t_max` is. It lies below the largest `f32`, so
+/// that an interval can be widened without overflow.
 pub(crate) const T_LIMIT: f32 = 1.701_411_8e38;
 
-/// How much an interval is widened at its far end, in parts of it: `2^-19`, 32 unit roundoffs.
+/// Relative widening of an interval at its far end: `2^-19`, 32 unit roundoffs `u`.
 ///
-/// Let `p` be a point of a triangle that the watertight test ([`super::triangle`]) takes for hit, and `t` its
-/// parameter. Rounding of the sheared corners puts the exact ray up to `4 u |dir| t + 6 u extent` beside `p` along
-/// each axis; [`grown`] covers the second part. A slab distance is computed to `3 u`, so near ends come out at most
-/// `t (1 + 7 u)` and far ends at least `t (1 - 7 u)`: 14 u between them (15 u without fused products).
+/// Let `p` be a point of a triangle that the watertight test ([`super::triangle`]) reports as hit, and `t` its parameter.
+/// Rounding of the sheared corners puts the exact ray up to `4 u |dir| t + 6 u extent` beside `p` along each axis. [`grown`]
+/// covers the second part. A slab distance has an error of `3 u`. So near ends are at most `t (1 + 7 u)`, and far ends at
+/// least `t (1 - 7 u)`: the interval lacks at most 14 u (15 u without fused products).
 const WIDEN: f64 = 1.0 / 524_288.0;
 
-/// Growth of a shape's box in parts of its largest extent: `2^-20`, 16 unit roundoffs (6 are needed, see [`WIDEN`]).
+/// Growth of a shape's box relative to its largest extent: `2^-20`, 16 unit roundoffs (6 are needed, see [`WIDEN`]).
 const GROW_BY_EXTENT: f64 = 1.0 / 1_048_576.0;
 
-/// Growth in parts of each coordinate, so that the subtraction's own rounding cannot eat the rest: `2^-23`.
+/// Growth relative to each coordinate: `2^-23`. It covers the rounding of the subtraction itself.
 const GROW_BY_PLACE: f64 = f32::EPSILON as f64;
 
-/// The slab test's view of a ray.
+/// A ray prepared for the slab test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SlabRay<R> {
-    /// Start.
+    /// Origin.
     pub origin: Vector3<R>,
-    /// One over each component of the direction, correctly rounded; infinite, with the sign of the zero, where the
-    /// component is zero or denormal.
+    /// Reciprocal of each direction component, correctly rounded. It is infinite, with the sign of the component, if that is
+    /// zero or denormal.
     pub inverse: Vector3<R>,
 }
 
 impl<R: Real> SlabRay<R> {
-    /// From start and direction.
+    /// Prepares a ray.
     #[inline(always)]
     pub fn new(origin: Vector3<R>, dir: Vector3<R>) -> Self {
         Self::by(origin, dir, |x| R::one() / x)
     }
 
-    /// The same with reciprocals as `reciprocal` has them.
+    /// As [`SlabRay::new`], with reciprocals computed by `reciprocal`.
     #[inline(always)]
     pub fn by(origin: Vector3<R>, dir: Vector3<R>, reciprocal: impl Fn(R) -> R) -> Self {
         Self { origin, inverse: Vector3::new(reciprocal(dir.x), reciprocal(dir.y), reciprocal(dir.z)) }
     }
 
-    /// Where the ray enters and leaves the box, within `t_min..=t_max`; it meets the box where enter <= leave.
+    /// Clips the interval `t_min..=t_max` to the box. Returns the parameters of entry and exit. The ray hits the box if
+    /// entry <= exit.
     #[inline(always)]
     pub fn clip(&self, lo: Vector3<R>, hi: Vector3<R>, t_min: R, t_max: R) -> (R, R) {
         let back = |inverse: R| inverse.lt(R::zero());
@@ -58,10 +59,10 @@ impl<R: Real> SlabRay<R> {
         self.clip_sorted(near, far, t_min, t_max)
     }
 
-    /// As [`SlabRay::clip`], with the planes already in the order in which the ray meets them.
+    /// As [`SlabRay::clip`], with the planes sorted: near ones first, as seen along the ray.
     ///
-    /// A ray that runs within a plane of the box has `0 * inf` there: that plane then bounds nothing, whichever sign
-    /// the zero has, because [`Real::min_or`] and [`Real::max_or`] pass a NaN on their left over.
+    /// A ray within a plane of the box gives `0 * inf`, a NaN. [`Real::min_or`] and [`Real::max_or`] ignore a NaN on their
+    /// left. So that plane does not bound the interval, for either sign of the zero.
     #[inline(always)]
     pub fn clip_sorted(&self, near: Vector3<R>, far: Vector3<R>, t_min: R, t_max: R) -> (R, R) {
         let n = (near - self.origin).times(self.inverse);
@@ -71,7 +72,7 @@ impl<R: Real> SlabRay<R> {
         (enter, widened(leave))
     }
 
-    /// `t` limited to the ray's way through a box, and whether there is such a way.
+    /// Clamps `t` to the interval in which the ray is inside the box. The mask is false if the ray misses the box.
     #[inline(always)]
     pub fn limit(&self, lo: Vector3<R>, hi: Vector3<R>, t: R) -> (R, R::Mask) {
         let limit = R::splat(f64::from(T_LIMIT));
@@ -79,7 +80,7 @@ impl<R: Real> SlabRay<R> {
         (leave.min_or(enter.max_or(t)), enter.le(leave))
     }
 
-    /// As [`SlabRay::limit`], with the planes already in the order in which the ray meets them.
+    /// As [`SlabRay::limit`], with the planes sorted: near ones first, as seen along the ray.
     #[inline(always)]
     pub fn limit_sorted(&self, near: Vector3<R>, far: Vector3<R>, t: R) -> (R, R::Mask) {
         let limit = R::splat(f64::from(T_LIMIT));
@@ -88,13 +89,13 @@ impl<R: Real> SlabRay<R> {
     }
 }
 
-/// The far end of an interval, a little farther; NaN for -inf, which nothing is below.
+/// Widens the far end of an interval by [`WIDEN`]. NaN for -inf; no number is below NaN.
 #[inline(always)]
 pub(crate) fn widened<R: Real>(leave: R) -> R {
     leave.abs().fma(R::splat(WIDEN), leave)
 }
 
-/// The box that stands for a shape whose corners lie in `lo..=hi`, a few ulps wider on every side.
+/// Grows the box `lo..=hi` of a shape by a few ulps on every side, as its intersection test needs ([`WIDEN`]).
 #[inline(always)]
 pub(crate) fn grown<R: Real>(lo: Vector3<R>, hi: Vector3<R>) -> (Vector3<R>, Vector3<R>) {
     let extent = hi - lo;
@@ -107,8 +108,8 @@ pub(crate) fn grown<R: Real>(lo: Vector3<R>, hi: Vector3<R>) -> (Vector3<R>, Vec
     )
 }
 
-/// Whether a ray can meet anything: finite start and direction, some direction at all, and an interval that holds
-/// something.
+/// Returns true if a ray can hit something: origin and direction are finite, the direction is not zero, and the interval is
+/// not empty.
 #[inline(always)]
 pub(crate) fn is_traceable<R: Real>(origin: Vector3<R>, dir: Vector3<R>, t_min: R, t_max: R) -> R::Mask {
     let finite = |v: Vector3<R>| {
@@ -118,7 +119,7 @@ pub(crate) fn is_traceable<R: Real>(origin: Vector3<R>, dir: Vector3<R>, t_min: 
     finite(origin) & finite(dir) & dir.abs().max_component().gt(R::zero()) & t_min.lt(t_max)
 }
 
-/// The upper end of what a ray is looked at for; `None` where it can meet nothing.
+/// The upper end of the interval in which a ray is tested, or `None` if the ray cannot hit anything.
 pub(crate) fn upper_end(ray: &Ray) -> Option<f32> {
     let t_max = Real::min(ray.t_max, T_LIMIT);
     let sound = !ray.t_max.is_nan() && is_traceable(ray.origin.into(), ray.dir.into(), ray.t_min, t_max);

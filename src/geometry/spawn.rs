@@ -1,34 +1,33 @@
-//! Where a ray that leaves a surface starts: the place on the shape, its outward normal, and how far off it rounding
-//! can have put either the place or the shape. There is no global epsilon; the bound is that of each hit.
+//! Origins of rays that leave a surface: the point on the shape, its outward normal, and a bound on the rounding errors of
+//! the point and of the intersection test. There is no global epsilon; each hit has its own bound.
 
 use super::{Hit, Ray, Shape, sphere};
 use crate::math::{LaneMask, Real, Vector3, gamma};
 
-/// Above what the squared length of a plane's normal may lack ([`super::Plane::is_usable`]).
+/// Upper bound of the difference between 1 and the squared length of a plane's normal ([`super::Plane::is_usable`]).
 const LACK: f64 = 1.0 / 512.0;
 
-/// A place on a surface, with the bound that keeps a new ray off it.
+/// A point on a surface, with the offset that keeps a new ray from hitting the surface again.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot<R> {
-    /// The place, on the surface to within `reach`, in scene units.
+    /// The point, on the surface to within `reach`, in scene units.
     pub point: Vector3<R>,
     /// Unit geometric normal, outward.
     pub outward: Vector3<R>,
-    /// How far along the normal, on either side, a new ray must start so that it cannot meet the surface it leaves;
-    /// in scene units. A surface that is a few times further away is still met.
+    /// Offset along the normal, on either side, from which a new ray cannot hit the surface it leaves; in scene units. A
+    /// surface at a few times this distance is still hit.
     pub reach: R,
 }
 
 impl<R: Real> Spot<R> {
-    /// The place on the triangle `[a, b, c]` with weights `u` of `b` and `v` of `c`.
+    /// The point on the triangle `[a, b, c]` with barycentric weights `u` of `b` and `v` of `c`.
     ///
-    /// `reach` covers both what rounding can put the point off the plane (seven operations, pbrt section 6.8.4, and two
-    /// for the offset itself) and what rounding in the intersection test can move a triangle of this size: four units of
-    /// the longest edge, as many times more as the triangle is longer than high, because the test's weights are quotients
-    /// by its area.
+    /// `reach` covers two errors. Rounding moves the point off the plane: seven operations (pbrt section 6.8.4), and two for
+    /// the offset itself. Rounding in the intersection test moves the triangle: four units of its longest edge, times the
+    /// ratio of longest edge to height, because the weights of the test are quotients by the area.
     ///
-    /// Three corners in line can be hit, where rounding makes them as wide as itself. They have no side: `outward` is then
-    /// any direction across the line.
+    /// A triangle with three corners in line can be hit, since rounding gives it a width. It has no side: `outward` is then
+    /// any direction perpendicular to the line.
     #[inline(always)]
     #[must_use]
     pub fn on_triangle([a, b, c]: [Vector3<R>; 3], u: R, v: R) -> Self {
@@ -46,16 +45,20 @@ impl<R: Real> Spot<R> {
         Self { point, outward, reach }
     }
 
-    /// The place where a ray of unit direction meets a sphere at parameter `t`: centre plus radius times unit normal.
+    /// The point where a ray of unit direction hits a sphere at parameter `t`: centre plus radius times unit normal.
     ///
-    /// The bound, in unit roundoffs `u`, with `n` the normal, `c` the centre and `r` the radius. The normal's length
-    /// rounds to 4.5, which times `r` is off the surface; the product's sum with `c` and the start itself round to
-    /// 1 of `|n| |c| + r` each: `6.5 r + 2 |n| |c|`. Sideways they move the start by up to `2 |n_i| r` or `2 |c_i|` along
-    /// each axis, which is a second-order distance from the surface of at most another `2 |n| |c|`. The test of the new
-    /// ray rounds its start relative to the centre to `1 r`; the sign of its smaller root is that of a difference of
-    /// squares, of 4 roundings of `r^2` and thus `2 r`; its discriminant has 12 roundings of `r^2`, and must not be
-    /// below zero for a ray that goes inside: `6 r`. The larger one counts: `13.5 r + 4 |n| |c|`, and a little for
-    /// products of roundings.
+    /// The bound is in unit roundoffs `u`, with normal `n`, centre `c` and radius `r`. Errors of the point:
+    /// - The length of the normal has 4.5 roundings, which times `r` is a distance from the surface.
+    /// - The sum with `c`, and the offset origin itself, have one rounding of `|n| |c| + r` each: `6.5 r + 2 |n| |c|` so far.
+    /// - These roundings also move the origin sideways, by up to `2 |n_i| r` or `2 |c_i|` along each axis. This is a
+    ///   second-order distance from the surface of at most another `2 |n| |c|`.
+    ///
+    /// Errors of the next intersection test:
+    /// - The origin relative to the centre has a rounding of `1 r`.
+    /// - The sign of the smaller root is that of a difference of squares, with 4 roundings of `r^2` and thus `2 r`.
+    /// - The discriminant has 12 roundings of `r^2`, and must not be negative for a ray that goes inside: `6 r`.
+    ///
+    /// Only the larger of the last two counts. The sum is `13.5 r + 4 |n| |c|`, and a little for products of roundings.
     #[inline(always)]
     #[must_use]
     pub fn on_sphere(centre: Vector3<R>, radius: R, origin: Vector3<R>, dir: Vector3<R>, t: R) -> Self {
@@ -64,21 +67,23 @@ impl<R: Real> Spot<R> {
         Self { point, outward, reach: Self::off_sphere(outward, centre, radius) }
     }
 
-    /// The bound of [`Spot::on_sphere`] where the unit normal is `outward`.
+    /// [`Spot::reach`] of a point on a sphere with the unit normal `outward`, as [`Spot::on_sphere`] derives it.
     #[inline(always)]
     #[must_use]
     pub fn off_sphere(outward: Vector3<R>, centre: Vector3<R>, radius: R) -> R {
         outward.abs().dot(centre.abs()) * units(5) + radius * units(14)
     }
 
-    /// The place where a ray meets the plane through `anchor`: `near` it, pulled back along the unit normal `axis`.
+    /// The point where a ray hits the plane through `anchor`: `near`, projected onto the plane along the unit normal `axis`.
     ///
-    /// It is pulled back twice, since the first time leaves roundings of the distance, which has nothing to do with how
-    /// far the plane is from the origin. The bound, in unit roundoffs, with `h` the distance of the second time, and
-    /// `n`, `p` and `a` normal, point and anchor. Rounding of `p - a` and of its products with `n`: 2 of `|n| |p - a|`;
-    /// the sum of two of the products is as large as the third, so at most half of all: `1/2`. Again as much in the test
-    /// of the new ray, and 2 of `|n| |p|` for the point and the start: 7 of `|n| (|p| + |a|)` in all. To that comes what
-    /// is left of `h`: 5 roundings, and what the squared length of `n`, which is not quite 1, lacks: up to a 1000th.
+    /// It is projected twice. The first projection leaves roundings of the distance from `near`, which is independent of the
+    /// distance between plane and origin. The bound is in unit roundoffs, with `h` the distance of the second projection, and
+    /// `n`, `p` and `a` normal, point and anchor:
+    /// - Rounding of `p - a` and of its products with `n`: 2 of `|n| |p - a|`.
+    /// - The sum of two of the products is as large as the third, so at most half of all: 1/2.
+    /// - The same again in the intersection test of the new ray.
+    /// - Rounding of the point and of the offset origin: 2 of `|n| |p|`. This makes 7 of `|n| (|p| + |a|)` in all.
+    /// - The remaining error of `h`: 5 roundings, and up to a 1000th because the squared length of `n` is not exactly 1.
     #[inline(always)]
     #[must_use]
     pub fn on_plane(anchor: Vector3<R>, axis: Vector3<R>, near: Vector3<R>) -> Self {
@@ -91,7 +96,7 @@ impl<R: Real> Spot<R> {
         Self { point, outward: axis, reach }
     }
 
-    /// Start of a ray that leaves on the side that `towards`, a normal of the surface, points to.
+    /// Origin of a ray that leaves on the side to which `towards`, a unit normal of the surface, points.
     #[inline(always)]
     #[must_use]
     pub fn leave(&self, towards: Vector3<R>) -> Vector3<R> {
@@ -100,7 +105,7 @@ impl<R: Real> Spot<R> {
 }
 
 impl Spot<f32> {
-    /// The place on `shape` where `ray`, of unit direction, has met it in `hit`.
+    /// The point on `shape` at `hit` of `ray`, whose direction is of unit length.
     #[must_use]
     pub fn at(shape: &Shape, ray: &Ray, hit: &Hit) -> Self {
         let (origin, dir) = (Vector3::from(ray.origin), Vector3::from(ray.dir));
@@ -114,7 +119,8 @@ impl Spot<f32> {
     }
 }
 
-/// The normal of a triangle and its length, both of size about 1; where there is none, a unit vector across its first edge.
+/// Returns the normal of a triangle and its length. If the length is zero, returns a unit vector perpendicular to the first
+/// edge, and 1.
 #[inline(always)]
 fn across_where_flat<R: Real>(edge: Vector3<R>, normal: Vector3<R>, length: R) -> (Vector3<R>, R) {
     let (zero, one) = (R::zero(), R::one());
@@ -131,7 +137,7 @@ fn across_where_flat<R: Real>(edge: Vector3<R>, normal: Vector3<R>, length: R) -
     (Vector3::select(sound, normal, across.normalized()), R::select(sound, length, one))
 }
 
-/// [`gamma`] as a number of any kind.
+/// [`gamma`] in the number type `R`.
 #[inline(always)]
 fn units<R: Real>(n: u32) -> R {
     R::splat(f64::from(gamma(n)))
@@ -147,8 +153,8 @@ mod tests {
     use super::*;
     use crate::geometry::triangle;
 
-    /// RT-15, RT-16, SI-04: over places up to 1e6 and triangles up to a thousand times longer than high, the point lies
-    /// on the triangle's plane well within `reach`, and the normal is as right as corners of that rounding let it be.
+    /// RT-15, RT-16, SI-04: coordinates up to 1e6, and triangles up to a thousand times longer than high. The point lies on
+    /// the triangle's plane well within `reach`. The normal is as exact as the rounding of the corners allows.
     #[test]
     fn points_and_normals_of_triangles_are_within_their_bounds() {
         let mut state = 77_u32;

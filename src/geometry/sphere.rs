@@ -6,7 +6,7 @@ use super::slab::{SlabRay, grown, upper_end};
 use super::{Aabb, COORDINATE_LIMIT, Ray};
 use crate::math::{Real, Vector3, next_down, next_up};
 
-/// A sphere; its outside is the side away from the centre.
+/// A sphere. Its outside is the side away from the centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre, in scene units.
@@ -16,14 +16,14 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A box that holds it, rounded outwards.
+    /// A bounding box, rounded outwards.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         let grow = |p: Vec3, f: fn(f32) -> f32| Vec3::new(f(p.x), f(p.y), f(p.z));
         Aabb { lo: grow(self.centre - self.radius, next_down), hi: grow(self.centre + self.radius, next_up) }
     }
 
-    /// Returns true if rays can meet it: its radius is a normal number above zero, and all of it is within
+    /// Returns true if rays can hit the sphere: its radius is a normal number above zero, and all of it is within
     /// [`COORDINATE_LIMIT`].
     #[must_use]
     pub fn is_usable(&self) -> bool {
@@ -32,8 +32,8 @@ impl Sphere {
         self.radius >= f32::MIN_POSITIVE && b.lo.abs().cmple(limit).all() && b.hi.abs().cmple(limit).all()
     }
 
-    /// Where `ray` meets the sphere first: on its way in, or, where it starts inside or `t_min` lies there, out.
-    /// This is what the eight-wide kernels mean.
+    /// Intersects `ray` with the sphere. Returns the `t` of entry, or that of exit if the ray interval begins inside. This
+    /// scalar test defines the eight-wide kernels.
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<f32> {
         let t_max = upper_end(ray)?;
@@ -43,31 +43,31 @@ impl Sphere {
     }
 }
 
-/// The box that [`intersect`] limits its hits to, and that hierarchies hold.
+/// The box that [`intersect`] clamps its hits to, and that hierarchies store.
 #[inline(always)]
 pub(crate) fn grown_bounds<R: Real>(centre: Vector3<R>, radius: R) -> (Vector3<R>, Vector3<R>) {
     let r = Vector3::all(radius);
     grown(centre - r, centre + r)
 }
 
-/// A line and the sphere around which it passes, all lengths in units of [`Chord::unit`], relative to the centre.
+/// The chord that a sphere cuts out of a line. Lengths are in units of [`Chord::unit`], relative to the centre.
 ///
-/// Nothing in it cancels for want of digits, however far away the line starts (Haines, Günther & Akenine-Möller,
-/// "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems 2019, whose eq. 7-8 leave an error of the
-/// start's distance squared): the distance of the line from the centre comes from the moment `(origin - centre) x dir`,
-/// whose components are right to 2 unit roundoffs where products are fused. The unit is a power of two near the radius.
-/// It rounds nothing, and keeps the squares of every radius within the range of `f32`.
+/// No digits cancel, however far away the line starts. (Haines, Günther & Akenine-Möller, "Precision Improvements for
+/// Ray/Sphere Intersection", Ray Tracing Gems 2019; their equations 7 and 8 leave an error that grows with the squared
+/// distance.) The distance of the line from the centre comes from the moment `(origin - centre) x dir`. Its components are
+/// correct to 2 unit roundoffs if products are fused. The unit is a power of two near the radius. It causes no rounding and
+/// keeps the squares of every radius within the range of `f32`.
 #[derive(Clone, Copy, Debug)]
 struct Chord<R> {
     /// The power of two at or below the radius, in scene units.
     unit: R,
-    /// Start of the line, times `dir`.
+    /// Cross product of the origin and `dir`.
     moment: Vector3<R>,
-    /// Squared half chord times squared length of `dir`; below zero where the line passes beside the sphere.
+    /// Squared half chord times squared length of `dir`; negative if the line misses the sphere.
     discriminant: R,
-    /// Its root.
+    /// Square root of the discriminant.
     root: R,
-    /// Squared distance of the start from the centre over that of the surface, less: above zero outside.
+    /// Squared distance of the origin from the centre, minus the squared radius: positive outside.
     outside: R,
     /// The parameter farther from zero, times squared length of `dir`.
     farther: R,
@@ -91,18 +91,17 @@ impl<R: Real> Chord<R> {
         Self { unit, moment, discriminant, root, outside, farther, squared }
     }
 
-    /// Both parameters of the surface, in no order; the first is the one nearer zero.
+    /// Parameters of both intersections, the one nearer to zero first.
     #[inline(always)]
     fn parameters(&self) -> (R, R) {
         (self.outside / self.farther * self.unit, self.farther / self.squared * self.unit)
     }
 }
 
-/// Unit normal, outward, where the ray meets the sphere at parameter `t`: the end of the chord whose parameter is nearer
-/// `t`, computed as [`intersect`] does.
+/// The outward unit normal at the end of the chord whose parameter is nearer to `t`, computed as [`intersect`] does.
 ///
-/// It does not come from the point at `t`, which is off by the roundings of its distance. The error is at most 12 unit
-/// roundoffs over the cosine of incidence, for starts whose difference to the centre is a number.
+/// It is not computed from the point at `t`, which has the rounding error of its distance. The error is at most 12 unit
+/// roundoffs divided by the cosine of incidence, if the difference of origin and centre is exact.
 #[inline(always)]
 pub(crate) fn normal<R: Real>(origin: Vector3<R>, dir: Vector3<R>, centre: Vector3<R>, radius: R, t: R) -> Vector3<R> {
     let chord = Chord::new(origin, dir, centre, radius);
@@ -114,11 +113,11 @@ pub(crate) fn normal<R: Real>(origin: Vector3<R>, dir: Vector3<R>, centre: Vecto
     dir.fma(R::select(leaves, chord.root, -chord.root), foot).normalized()
 }
 
-/// The first meeting of ray and sphere with `t_min < t <= t_max`: the one on the way in, else the one on the way
-/// out. One text for one ray and for eight, and for either side in eight lanes.
+/// Returns the first intersection of ray and sphere with `t_min < t <= t_max`: the entry, else the exit. One text serves one
+/// ray and eight lanes, with eight rays or eight spheres.
 ///
-/// Of the two roots the smaller comes from the larger, so that a start on the surface does not cancel. Lengths of `dir`
-/// whose square leaves the range of `f32` meet nothing.
+/// The smaller root is computed from the larger one, so that nothing cancels for an origin on the surface. A ray misses if
+/// the squared length of `dir` leaves the range of `f32`.
 #[inline(always)]
 pub(crate) fn intersect<R: Real>(
     slab: &SlabRay<R>,

@@ -1,14 +1,14 @@
-//! The watertight ray/triangle test of Woop, Benthin & Wald (JCGT 2013), written once for one ray and one triangle,
-//! for one ray and eight triangles and for eight rays and one triangle: each of them gives a lane the same bits.
+//! The watertight ray/triangle test of Woop, Benthin & Wald (JCGT 2013). One text serves one ray and one triangle, one ray and
+//! eight triangles, and eight rays and one triangle. All of them give a lane the same bits.
 //!
-//! The ray is made the axis of its longest direction component by a shear, and the three signed edge functions say
-//! on which side of each edge it passes. They are plain products and differences: two triangles that share an edge
-//! get exactly opposite values, and a value that is not zero has the right sign, since rounding is monotone. Where
-//! one is zero, or so small that underflow may have eaten it, `f64` decides, in which these products are exact. So
-//! the sheared corners are told apart without error, and every ray through a shared edge or corner meets a triangle.
+//! A shear turns the ray into the axis of its longest direction component. Three signed edge functions then tell on which
+//! side of each edge it passes. They are differences of two products. Two triangles that share an edge get exactly opposite
+//! values. A value that is not zero has the correct sign, since rounding is monotone. If a value is zero, or so small that it
+//! may have lost digits to underflow, `f64` decides, in which these products are exact. So sheared corners are classified
+//! without error, and every ray through a shared edge or corner hits a triangle.
 //!
-//! `t` is an average of the corners' own parameters with weights that are never negative, limited to the ray's way
-//! through the triangle's box: however thin the triangle, `t` lies where it lies.
+//! `t` is an average of the corners' parameters with non-negative weights, clamped to the interval in which the ray is inside
+//! the triangle's box. So `t` lies within the triangle's extent, however thin the triangle is.
 
 use glam::Vec3;
 
@@ -16,22 +16,22 @@ use super::Ray;
 use super::slab::{SlabRay, grown, upper_end};
 use crate::math::{Real, Vector3};
 
-/// Sums of edge functions below this may have lost digits to underflow: 2^-100.
+/// Sums of edge functions below this value may have lost digits to underflow: 2^-100.
 const SMALL_SUM: f64 = 7.888_609_052_210_118e-31;
 
-/// Reciprocals of sums below [`SMALL_SUM`] are above this, however they were rounded: 2^99.
+/// Reciprocals of sums below [`SMALL_SUM`] are above this value, however they are rounded: 2^99.
 const LARGE_SCALE: f64 = 6.338_253_001_141_147e29;
 
-/// How far beyond an end of the ray's interval a triangle is left out unsolved, in parts of its farthest corner's
-/// distance, where it is of good shape: 2^-17.
+/// Distance beyond the ray interval at which a well-shaped triangle is rejected early, relative to the distance of its
+/// farthest corner: 2^-17.
 const BEYOND: f64 = 1.0 / 131_072.0;
 
 /// The longest axis of a direction, x before y before z among equals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis<M> {
-    /// It is x.
+    /// True if it is x.
     pub is_x: M,
-    /// It is y.
+    /// True if it is y.
     pub is_y: M,
 }
 
@@ -47,9 +47,9 @@ impl<M: Copy> Axis<M> {
 /// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay<R> {
-    /// Start, with its axes turned by [`Axis::turn`].
+    /// Origin, with its axes turned by [`Axis::turn`].
     pub origin: Vector3<R>,
-    /// Minus the slopes of the direction along its first and second axis over the last.
+    /// Negated slopes of the direction: first and second component over the last.
     pub shear: (R, R),
     /// The longest component of the direction.
     pub dz: R,
@@ -58,28 +58,28 @@ pub(crate) struct ShearedRay<R> {
 /// The corners of a triangle seen along the ray, and its edge functions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edges<R> {
-    /// Corners, relative to the ray's start; x and y sheared, z not.
+    /// Corners relative to the ray's origin; x and y sheared, z not.
     pub corners: [Vector3<R>; 3],
-    /// Edge function opposite to each corner.
+    /// Value of the edge function opposite each corner.
     value: [R; 3],
 }
 
-/// Weights of the corners, before anything is divided by the length of the ray.
+/// Barycentric weights of the corners, before the division by the direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights<R: Real> {
-    /// One over the sum of the edge functions.
+    /// Reciprocal of the sum of the edge functions.
     scale: R,
-    /// Of the second corner.
+    /// Weight of the second corner.
     u: R,
-    /// Of the third corner.
+    /// Weight of the third corner.
     v: R,
     /// Ray parameter times the longest component of the direction.
     z: R,
-    /// Lanes that only [`Edges::exact`] can tell.
+    /// Lanes that only [`Edges::exact`] can decide.
     doubtful: R::Mask,
 }
 
-/// What solving for `t`, `u` and `v` gave.
+/// The solution of the intersection: `t`, `u` and `v`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Solution<R: Real> {
     /// Ray parameter.
@@ -88,18 +88,18 @@ pub(crate) struct Solution<R: Real> {
     pub u: R,
     /// Weight of the third corner.
     pub v: R,
-    /// Lanes that only [`Edges::exact`] can tell.
+    /// Lanes that only [`Edges::exact`] can decide.
     pub doubtful: R::Mask,
 }
 
 impl<R: Real> ShearedRay<R> {
-    /// From start and direction, with the axis that was chosen.
+    /// Prepares a ray. Also returns the longest axis of the direction.
     #[inline(always)]
     pub fn new(origin: Vector3<R>, dir: Vector3<R>) -> (Self, Axis<R::Mask>) {
         Self::by(origin, dir, |a, b| a / b)
     }
 
-    /// The same with quotients as `quotient` has them.
+    /// As [`ShearedRay::new`], with quotients computed by `quotient`.
     #[inline(always)]
     pub fn by(origin: Vector3<R>, dir: Vector3<R>, quotient: impl Fn(R, R) -> R) -> (Self, Axis<R::Mask>) {
         let d = dir.abs();
@@ -109,7 +109,7 @@ impl<R: Real> ShearedRay<R> {
         (Self { origin: axis.turn(origin), shear: (-quotient(dir.x, dir.z), -quotient(dir.y, dir.z)), dz: dir.z }, axis)
     }
 
-    /// The edge functions of the triangle whose corners, with axes turned, are given.
+    /// The edge functions of a triangle. The axes of its corners are turned by [`Axis::turn`].
     #[inline(always)]
     pub fn edges(&self, corners: &[Vector3<R>; 3]) -> Edges<R> {
         let seen = |p: Vector3<R>| {
@@ -123,7 +123,8 @@ impl<R: Real> ShearedRay<R> {
 }
 
 impl<R: Real> SlabRay<R> {
-    /// `t` limited to the ray's way through the grown box of a triangle, and whether there is such a way.
+    /// Clamps `t` to the interval in which the ray is inside the grown box of a triangle. The mask is false if the ray
+    /// misses the box.
     #[inline(always)]
     pub fn limit_to_triangle(&self, corners: &[Vector3<R>; 3], t: R) -> (R, R::Mask) {
         let (lo, hi) = grown_box(corners);
@@ -131,7 +132,7 @@ impl<R: Real> SlabRay<R> {
     }
 }
 
-/// The box that stands for a triangle, a few ulps wider than it.
+/// The bounding box of a triangle, grown by a few ulps ([`grown`]).
 #[inline(always)]
 pub(crate) fn grown_box<R: Real>(corners: &[Vector3<R>; 3]) -> (Vector3<R>, Vector3<R>) {
     let [a, b, c] = *corners;
@@ -143,20 +144,20 @@ pub(crate) fn grown_box<R: Real>(corners: &[Vector3<R>; 3]) -> (Vector3<R>, Vect
 }
 
 impl<R: Real> Edges<R> {
-    /// Where the edge functions do not contradict a hit.
+    /// Returns false in lanes whose edge functions exclude a hit.
     #[inline(always)]
     pub fn may_hit(&self) -> R::Mask {
         let [u, v, w] = self.value;
         u.min_or(v.min_or(w)).ge(R::zero()) | u.max_or(v.max_or(w)).le(R::zero())
     }
 
-    /// The weights, for lanes where [`Edges::may_hit`].
+    /// Barycentric weights, for lanes in which [`Edges::may_hit`] is true.
     #[inline(always)]
     pub fn weigh(&self) -> Weights<R> {
         self.weigh_by(|x| R::one() / x)
     }
 
-    /// The same with reciprocals as `reciprocal` has them.
+    /// As [`Edges::weigh`], with reciprocals computed by `reciprocal`.
     #[inline(always)]
     pub fn weigh_by(&self, reciprocal: impl Fn(R) -> R) -> Weights<R> {
         let [eu, ev, ew] = self.value;
@@ -169,15 +170,20 @@ impl<R: Real> Edges<R> {
         Weights { scale, u, v, z: first.fma(a.z, u.fma(b.z, v * c.z)), doubtful }
     }
 
-    /// Whether `t` may come to lie within `t_min..=t_max`, for lanes where [`Edges::may_hit`]; a quick no.
+    /// Returns false if `t` certainly lies outside `t_min..=t_max`, for lanes in which [`Edges::may_hit`] is true. This rejects
+    /// triangles before any division by the direction.
     ///
-    /// The sheared corners are told apart without error, so that some point of the triangle lies on the ray, at `z*` along
-    /// its longest axis, and the way through the box, to which `t` is limited, holds it but for 8 u (`WIDEN` in
-    /// [`super::slab`]). What [`Edges::weigh`] calls `z` has weights with errors: each edge function is off by at most 4 u
-    /// of `most`, which no product in them exceeds, so `z` is off `z*` by at most 12 u `most` over the sum, times twice the
-    /// farthest corner's distance; and by 6 u of that for the rest. 128 u of both leave room for the sum's own error,
-    /// too; and where `most` is so much larger than the sum that it does not, nothing is left out at all. Nor is it where the
-    /// sum is so small that underflow may have eaten of it; an edge function that is zero is off by no more than the others.
+    /// The sheared corners are classified without error. So some point of the triangle lies on the ray, at `z*` along its
+    /// longest axis. The interval inside the box, to which `t` is clamped, contains that point except for 8 u (`WIDEN` in
+    /// [`super::slab`]).
+    ///
+    /// The `z` of [`Edges::weigh`] differs from `z*` because its weights have errors. Each edge function has an error of at
+    /// most 4 u of `most`, which no product in it exceeds. So `z` differs from `z*` by at most 12 u `most` over the sum, times
+    /// twice the farthest corner's distance. The other roundings add 6 u of that distance. The bound used is 128 u of both.
+    ///
+    /// The margin covers the error of the sum, too. If `most` exceeds the sum by so much that it does not, the bound is so
+    /// large that no triangle is rejected. Neither is one whose sum may have lost digits to underflow. An edge function of
+    /// zero has no larger error than the others.
     #[inline(always)]
     pub fn may_lie_within(&self, weights: &Weights<R>, ray: &ShearedRay<R>, t_min: R, t_max: R) -> R::Mask {
         let [a, b, c] = &self.corners;
@@ -194,16 +200,16 @@ impl<R: Real> Edges<R> {
 }
 
 impl<R: Real> Weights<R> {
-    /// `t` and the weights.
+    /// Solves for `t`, `u` and `v`.
     #[inline(always)]
     pub fn solve(&self, ray: &ShearedRay<R>) -> Solution<R> {
         self.solve_by(ray, |a, b| a / b)
     }
 
-    /// The same with quotients as `quotient` has them.
+    /// As [`Weights::solve`], with quotients computed by `quotient`.
     #[inline(always)]
     pub fn solve_by(&self, ray: &ShearedRay<R>, quotient: impl Fn(R, R) -> R) -> Solution<R> {
-        // The share that is left for the third corner, so that 1 - u - v, too, is never negative.
+        // `v` is at most what `u` leaves, so that 1 - u - v is never negative.
         let u = self.u.min_or(R::one());
         let v = self.v.min_or(R::one() - u);
         Solution { t: quotient(self.z, ray.dz), u, v, doubtful: self.doubtful }
@@ -211,7 +217,7 @@ impl<R: Real> Weights<R> {
 }
 
 impl Edges<f32> {
-    /// The verdict of `f64`, in which the edge functions are free of error: `t`, `u` and `v` of a hit.
+    /// Decides in `f64`, in which the edge functions are exact. Returns `t`, `u` and `v` of a hit.
     #[cold]
     #[inline(never)]
     pub fn exact(&self, dz: f32) -> Option<(f32, f32, f32)> {
@@ -223,7 +229,7 @@ impl Edges<f32> {
             return None;
         }
         let t = (eu * a.z + ev * b.z + ew * c.z) / sum / f64::from(dz);
-        // The zero on the right makes one of either sign positive.
+        // The zero on the right turns -0 into 0.
         let weight = |e: f64| ((e / sum) as f32).max_or(0.0);
         let u = weight(ev).min_or(1.0);
         Some((t as f32, u, weight(ew).min_or(1.0 - u)))
@@ -231,7 +237,7 @@ impl Edges<f32> {
 }
 
 impl<R: Real> Edges<R> {
-    /// One lane, taken out by `lane`.
+    /// Extracts one lane by `lane`.
     #[inline(always)]
     pub fn map(&self, lane: impl Fn(R) -> f32) -> Edges<f32> {
         Edges {
@@ -241,9 +247,10 @@ impl<R: Real> Edges<R> {
     }
 }
 
-/// Where `ray` meets the triangle: parameter, weight of the second corner, weight of the third. Both faces count.
+/// Intersects `ray` with a triangle, on either face. Returns `t`, the weight `u` of the second corner and the weight `v` of the
+/// third.
 ///
-/// This is what the eight-wide kernels mean.
+/// This scalar test defines the eight-wide kernels.
 #[must_use]
 pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<(f32, f32, f32)> {
     let t_max = upper_end(ray)?;

@@ -1,18 +1,18 @@
-//! Numbers of twice the digits of `f64`: what cancellation costs an `f32` or `f64` everything costs them half.
+//! Double-double numbers, with twice the digits of `f64`, for computations that cancel in `f64`.
 //!
 //! The classical algorithms (Dekker 1971, Knuth 4.2.2) in the form of Joldes, Muller & Popescu 2017: relative error of a
 //! sum or product below 2^-102, of a quotient or root below 2^-99.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// The sum of two `f64`, the second below half a unit of the first.
+/// The sum of two `f64`; the low part is at most half an ulp of the high part.
 #[derive(Clone, Copy, Debug)]
 pub struct Double {
     high: f64,
     low: f64,
 }
 
-/// A number of twice the digits.
+/// Converts a number to [`Double`].
 #[must_use]
 pub fn d(x: impl Into<f64>) -> Double {
     Double { high: x.into(), low: 0.0 }
@@ -41,7 +41,7 @@ impl Double {
         self.high + self.low
     }
 
-    /// Whether it is below zero.
+    /// Returns true if the number is negative.
     #[must_use]
     pub fn is_negative(self) -> bool {
         self.high < 0.0
@@ -58,7 +58,7 @@ impl Double {
         q + d(rest.high / o.high)
     }
 
-    /// Square root; zero for what is not above zero.
+    /// Square root; zero for numbers that are not positive.
     #[must_use]
     pub fn sqrt(self) -> Self {
         if self.high <= 0.0 {

@@ -2,7 +2,7 @@
 
 use super::Real;
 
-/// What binary32 offers beyond [`Real`]: taking its exponent and mantissa apart and putting them together.
+/// Operations of binary32 beyond [`Real`]: splitting a number into exponent and mantissa, and the reverse.
 pub trait Binary32: Real {
     /// The nearest integer, ties to even.
     fn round_ties_even(self) -> Self;

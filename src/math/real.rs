@@ -1,4 +1,4 @@
-//! The small number trait that optics is written over, so that one text serves `f32`, `f64` and eight lanes.
+//! The number trait: one text of optics and geometry serves `f32`, `f64` and eight lanes.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -14,13 +14,13 @@ pub(crate) const EXPONENT_BITS: u32 = 0x7f80_0000;
 /// The bits of a power of two and those of its inverse add up to this.
 pub(crate) const INVERSE_BITS: u32 = 254 << 23;
 
-/// The answer of a comparison: one truth value for a scalar, eight for eight lanes.
+/// The result of a comparison: one truth value for a scalar, eight for eight lanes.
 pub trait LaneMask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// The same truth value in every lane.
     fn splat(value: bool) -> Self;
-    /// Whether at least one lane is true.
+    /// Returns true if at least one lane is true.
     fn any(self) -> bool;
-    /// Whether every lane is true.
+    /// Returns true if every lane is true.
     fn all(self) -> bool;
 }
 
@@ -41,8 +41,8 @@ impl LaneMask for bool {
 
 /// A number, or eight of them, with IEEE 754 arithmetic.
 ///
-/// Scalar `f32` and each lane of eight give the same bits for every operation here, which is why `fma`, `exp`,
-/// `pow` and the trigonometry are ours and not the standard library's.
+/// Scalar `f32` and each lane of eight give the same bits for every operation here. Therefore `fma`, `exp`, `pow` and the
+/// trigonometric functions are implemented here, not taken from the standard library.
 pub trait Real:
     Copy
     + Debug
@@ -53,12 +53,12 @@ pub trait Real:
     + Neg<Output = Self>
     + 'static
 {
-    /// What comparing two of these gives.
+    /// Result type of comparisons.
     type Mask: LaneMask;
 
     /// The nearest representable number to `x`, in every lane.
     fn splat(x: f64) -> Self;
-    /// `x` as the sum of a nearest number and what it misses, so that twice the digits of `f32` survive.
+    /// `x` as the sum of the nearest number and the remainder, which keeps twice the digits of `f32`.
     fn split(x: f64) -> (Self, Self);
     /// The largest power of two that is not above `self`, and one over it, for normal numbers of at most 2^126. A product
     /// with either is exact as long as it stays in range.

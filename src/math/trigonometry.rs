@@ -1,7 +1,7 @@
 //! Sine, cosine and their inverses for `f32` and eight lanes of it, from the same operations in the same order.
 //!
-//! Only the lecture notes' trigonometric refraction needs them, so they cover the angles it has: sine and cosine up to
-//! three quarters of a half turn, where no range reduction is due.
+//! Only the trigonometric refraction of the lecture notes needs them. They cover its angles: sine and cosine up to 3 pi / 4,
+//! for which no range reduction is needed.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -18,6 +18,7 @@ const SIN_POLY: [f64; 4] = [1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 
 /// `cos(r) = 1 - r^2 / 2 + r^4 P(r^2)` on `|r| <= pi / 4`, highest first: Taylor's, to 3e-10.
 const COS_POLY: [f64; 4] = [-1.0 / 3_628_800.0, 1.0 / 40_320.0, -1.0 / 720.0, 1.0 / 24.0];
 
+/// Evaluates a polynomial by Horner's rule, coefficients of high powers first.
 #[inline(always)]
 fn polynomial<R: Real>(coefficients: &[f64], x: R) -> R {
     let mut p = R::splat(coefficients[0]);
@@ -27,8 +28,8 @@ fn polynomial<R: Real>(coefficients: &[f64], x: R) -> R {
     p
 }
 
-/// What [`asin`] and [`acos`] share: whether `|x| > 1/2`, and there half the arc cosine of `|x|`, elsewhere the arc
-/// sine of `|x|`.
+/// The common part of [`asin`] and [`acos`]. The mask is true if `|x| > 1/2`; the number is then half the arc cosine of `|x|`,
+/// else the arc sine of `|x|`.
 #[inline(always)]
 fn arc<R: Real>(x: R) -> (R::Mask, R) {
     let half = R::splat(0.5);

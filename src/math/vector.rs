@@ -1,10 +1,10 @@
-//! Three-vectors over any [`Real`]: the shape optics is written in.
+//! Three-vectors over any [`Real`].
 
 use std::ops::{Add, Mul, Neg, Sub};
 
 use super::Real;
 
-/// Three components of one number type; with eight lanes in each it is `simd::Vec3x8`.
+/// A vector of three components. `simd::Vec3x8` has eight lanes in each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct Vector3<R> {
@@ -60,8 +60,8 @@ impl<R: Real> Vector3<R> {
         self.length_squared().sqrt()
     }
 
-    /// This vector over its length; NaN or infinite where the length is zero or overflows: callers that cannot
-    /// exclude it ask [`Vector3::length_squared`] first.
+    /// The vector divided by its length. NaN or infinite if the length is zero or overflows; test
+    /// [`Vector3::length_squared`] first if that can happen.
     #[inline(always)]
     pub fn normalized(self) -> Self {
         self * (R::one() / self.length())
@@ -98,7 +98,7 @@ impl<R: Real> Vector3<R> {
     }
 }
 
-/// `a b - c d` with the rounding error of `c d` put back.
+/// `a b - c d`, corrected by the rounding error of `c d`.
 #[inline(always)]
 fn difference_of_products<R: Real>(a: R, b: R, c: R, d: R) -> R {
     let cd = c * d;

@@ -1,19 +1,18 @@
 //! Check for opaque surfaces of different materials at the same place.
 
 use super::{Check, Facts, Find, Finding, Place};
-use crate::effects;
+use crate::geometry::contact::Contacts;
 
 /// Two coplanar opaque surfaces that face the same side; the later one is visible.
 pub(super) const CHECK: Check = Check { id: "coplanar-materials", find: Find::InScene(find) };
 
 fn find(facts: &Facts) -> Vec<Finding> {
     let opaque = |o: u32| !facts.material(o as usize).is_transmissive();
-    let contacts = effects::contacts(facts.scene);
-    let pairs = contacts.pairs().iter().filter(|pair| {
-        let [a, b] = pair.objects;
-        let materials = [a, b].map(|o| facts.scene.objects[o as usize].material);
-        pair.aligned > 0 && opaque(a) && opaque(b) && materials[0] != materials[1]
-    });
+    let material = |o: usize| facts.scene.objects[o].material;
+    // Other pairs are not searched.
+    let may_cover = |a: usize, b: usize| opaque(a as u32) && opaque(b as u32) && material(a) != material(b);
+    let contacts = Contacts::find(&facts.scene.geometry, &may_cover);
+    let pairs = contacts.pairs().iter().filter(|pair| pair.aligned > 0);
     pairs
         .map(|pair| {
             let [under, over] = pair.objects.map(|o| facts.name(o as usize));

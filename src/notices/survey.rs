@@ -8,7 +8,7 @@ use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects;
 use crate::load::LoadReport;
-use crate::render::{self, Observer, Options, Pixels, Shortfall};
+use crate::render::{Observer, Options, Pixels, Shortfall};
 use crate::scene::{Scene, Settings};
 
 /// Largest number of pixels along each side of the first picture.
@@ -20,7 +20,7 @@ const FIRST_LOOK: u32 = 96;
 /// whose findings count. The native back end renders both. The scene is returned unchanged.
 ///
 /// # Errors
-/// Fails as [`render::render`] does.
+/// Fails as [`crate::render::render`] does.
 pub fn survey(
     file: &Path,
     scene: &mut Scene,
@@ -30,9 +30,10 @@ pub fn survey(
 ) -> Result<Vec<Notice>> {
     let options = Options { effects: effects::Options::default(), ..options.clone() };
     let accel = Accel::build(Backend::Native, &scene.geometry, BuildOptions::default())?;
+    // One scene in two sizes: contacts are searched for once.
+    let pixels = Pixels::new(&accel, &options, observer);
     let look = |scene: &Scene| -> Result<Vec<Notice>> {
-        let mut outcome = render::render(scene, &accel, &options, observer)?;
-        let pixels = Pixels::new(&accel, &options, observer);
+        let mut outcome = pixels.picture(scene)?;
         let again = |scene: &Scene, which: &[[u32; 2]]| pixels.render(scene, which);
         outcome.shortfall = Shortfall::of(scene, &options, &outcome, 1.0, &again)?;
         Ok(of_picture(&Facts { file, scene, report, options: &options }, &outcome))

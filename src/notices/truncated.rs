@@ -2,6 +2,7 @@
 
 use super::{Check, Facts, Find, Finding, Place};
 use crate::render::{Cure, Limit, Outcome, Shortfall};
+use crate::scene::MOST_PASSES;
 
 /// More than a thousandth of the pixels lack visible light.
 pub(super) const CHECK: Check = Check { id: "truncated-light", find: Find::InPicture(find) };
@@ -16,7 +17,7 @@ fn finding(facts: &Facts, shortfall: &Shortfall) -> Finding {
     let because = match limit {
         Limit::Depth => format!("rays end after {} reflections and refractions", settings.max_depth),
         Limit::Cutoff => format!("rays of a weight below {} end", settings.cutoff),
-        Limit::Passes => String::from("rays end after 256 surfaces in a row that lie inside other media"),
+        Limit::Passes => format!("rays end after {MOST_PASSES} surfaces in a row that lie inside other media"),
         Limit::Asked => String::from("rays end at limits that the command line sets"),
     };
     Finding {

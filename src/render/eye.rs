@@ -2,11 +2,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::worker::MOST_PASSES;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::contact::{Contacts, Face};
 use crate::geometry::{GeometryMask, Hit8, Ray, Ray8, Shape};
-use crate::scene::{Bodies, Scene};
+use crate::scene::{Bodies, MOST_PASSES, Scene};
 
 /// Direction of the march: upwards, but tilted. Straight up would run along the walls of upright boxes and hit the
 /// diagonals of their lids.

@@ -76,19 +76,8 @@ fn shine<S: Source, const PHYSICAL: bool, const SHINY: bool, const SHADOWS: bool
             continue;
         }
         let dark = sent.x.eq(F32x8::ZERO) & sent.y.eq(F32x8::ZERO) & sent.z.eq(F32x8::ZERO);
-        let new = Spawn8 {
-            origin,
-            dir,
-            t_max: distance,
-            admits: shading.shadow_admits,
-            weight: sent,
-            pixel: &surface.pixel,
-            stack: &surface.stack,
-            lead: surface.lead(dir),
-            passes: &surface.returning,
-            place: surface.place,
-            extra: None,
-        };
+        let admits = shading.shadow_admits;
+        let new = Spawn8 { origin, t_max: distance, admits, ..surface.reflected(dir, sent) };
         shading.shadows.push8(lit & !dark.bits(), &new);
     }
 }

@@ -127,15 +127,22 @@ struct TileResult {
 /// - [`Error::Limit`] if threads cannot be started, or the picture does not fit in memory.
 /// - [`Error::Usage`] if a proven cut-off is requested for a scene that has none.
 pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, observer: &Observer) -> Result<Outcome> {
-    let scene = &*effects::without(scene, options.effects.without);
+    Pixels::new(accel, options, observer).picture(scene)
+}
+
+/// Renders the whole picture of a scene from which effects have already been left out.
+fn picture<I: Intersector>(
+    scene: &Scene,
+    accel: &I,
+    facts: &SceneFacts,
+    options: &Options,
+    observer: &Observer,
+) -> Result<Outcome> {
     let settings = &scene.settings;
     let tiles = Tile::cover(settings.width, settings.height, options.tile.max(1));
     memory::need_with(settings, options.thread_count().min(tiles.len()))?;
     let done = |tile: &Tile| observer.pixels_done.fetch_add(tile.pixels() as u64, Ordering::Relaxed);
-    let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
-    planar::possible(scene, facts.mirrors.as_ref())?;
-    let facts = facts.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
-    let parts = render_tiles(scene, accel, &facts, options, observer, &tiles, &|tile| _ = done(tile))?;
+    let parts = render_tiles(scene, accel, facts, options, observer, &tiles, &|tile| _ = done(tile))?;
 
     let mut film = Film::new(settings.width, settings.height);
     let mut truncated = Film::new(settings.width, settings.height);
@@ -167,12 +174,12 @@ pub fn render<I: Intersector>(scene: &Scene, accel: &I, options: &Options, obser
         streams: counts.streams,
         touching: facts.touching,
         seen: counts.seen,
-        planar: facts.mirrors.map(|mirrors| counts.planar.of_mirrors(&mirrors)),
-        maps: facts.maps.map(|taken| taken.report(counts.without_map)),
+        planar: facts.mirrors.as_ref().map(|mirrors| counts.planar.of_mirrors(mirrors)),
+        maps: facts.maps.as_ref().map(|taken| taken.report(counts.without_map)),
     })
 }
 
-/// Renderer for selected pixels of one scene, which may be called again under other limits.
+/// Renderer for one scene, which may be called again for selected pixels and under other limits.
 pub struct Pixels<'a, I: Intersector> {
     accel: &'a I,
     options: &'a Options,
@@ -187,9 +194,31 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         Self { accel, options, observer, facts: OnceCell::new() }
     }
 
+    /// Renders the whole picture, as [`render`] does. Later calls share the facts found before its first ray.
+    ///
+    /// # Errors
+    /// Fails as [`render`] does.
+    pub fn picture(&self, scene: &Scene) -> Result<Outcome> {
+        let scene = &*effects::without(scene, self.options.effects.without);
+        picture(scene, self.accel, self.facts(scene)?, self.options, self.observer)
+    }
+
+    fn facts(&self, scene: &Scene) -> Result<&SceneFacts<'a>> {
+        let &Self { accel, options, observer, .. } = self;
+        match self.facts.get() {
+            Some(facts) => Ok(facts),
+            None => {
+                let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
+                planar::possible(scene, facts.mirrors.as_ref())?;
+                let facts = facts.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
+                Ok(self.facts.get_or_init(|| facts))
+            }
+        }
+    }
+
     /// Renders the pixels `which`, given by column and row from 0 at the upper left, as [`render`] does, to the bit.
-    /// Returns them with the number of rays traced. Later calls must pass the same scene, except for the depth limit
-    /// and the weight cut-off.
+    /// Returns them with the number of rays traced. Later calls must pass the same scene, except for the size, the rays a
+    /// pixel, the depth limit and the weight cut-off.
     ///
     /// # Errors
     /// Fails as [`render`] does.
@@ -197,15 +226,7 @@ impl<'a, I: Intersector> Pixels<'a, I> {
         let &Self { accel, options, observer, .. } = self;
         let scene = &*effects::without(scene, options.effects.without);
         let tiles: Vec<Tile> = which.iter().map(|&[x, y]| Tile { x, y, width: 1, height: 1 }).collect();
-        let facts = match self.facts.get() {
-            Some(facts) => facts,
-            None => {
-                let maps = Taken::of(scene, options, &ByAccel { accel, observer })?;
-                let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?.with_maps(maps);
-                self.facts.get_or_init(|| facts)
-            }
-        };
-        let parts = render_tiles(scene, accel, facts, options, observer, &tiles, &|_| ())?;
+        let parts = render_tiles(scene, accel, self.facts(scene)?, options, observer, &tiles, &|_| ())?;
         let mut again = Again { pixels: vec![PixelMean::default(); which.len()], rays: 0 };
         for (results, counts) in parts {
             again.rays += counts.rays.total();

@@ -7,9 +7,10 @@ use super::shading::Shading;
 use super::split::lane_bits;
 use super::stages::{March, STREAM};
 use super::surface::HitRef;
-use super::worker::{MOST_PASSES, Worker};
+use super::worker::Worker;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{GeometryMask, Hit8};
+use crate::scene::MOST_PASSES;
 use crate::simd::Mask8;
 
 impl<I: Intersector> Worker<'_, I> {

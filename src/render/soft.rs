@@ -230,19 +230,8 @@ impl<'a, L: Lamp> Shine<'a, L> {
     }
 
     fn ray<'b>(&'b self, shading: &Shading, sent: &Sent) -> Spawn8<'b> {
-        Spawn8 {
-            origin: self.origin,
-            dir: sent.dir,
-            t_max: sent.distance,
-            admits: shading.shadow_admits,
-            weight: sent.light,
-            pixel: &self.surface.pixel,
-            stack: &self.surface.stack,
-            lead: self.surface.lead(sent.dir),
-            passes: &self.surface.returning,
-            place: self.surface.place,
-            extra: None,
-        }
+        let (origin, t_max, admits) = (self.origin, sent.distance, shading.shadow_admits);
+        Spawn8 { origin, t_max, admits, ..self.surface.reflected(sent.dir, sent.light) }
     }
 }
 

@@ -3,8 +3,8 @@
 use glam::{Vec2, Vec3};
 
 use super::media::StackId;
-use super::queue::{Chunk, Rgb8};
-use crate::geometry::{Hit, Hit8, Shape, Spot};
+use super::queue::{Chunk, Rgb8, Spawn8};
+use crate::geometry::{GeometryMask, Hit, Hit8, Shape, Spot};
 use crate::math::{LaneMask, Real};
 use crate::optics::consistent_normal;
 use crate::scene::Scene;
@@ -212,6 +212,32 @@ impl Surface8 {
     #[must_use]
     pub fn below(&self) -> Vec3x8 {
         self.normal.fma(-self.reach, self.point)
+    }
+
+    /// Returns rays that leave on the arriving side in directions `dir`: any surface may be hit, at any distance.
+    #[inline(always)]
+    #[must_use]
+    pub fn reflected(&self, dir: Vec3x8, weight: Rgb8) -> Spawn8<'_> {
+        Spawn8 {
+            origin: self.above(),
+            dir,
+            t_max: F32x8::INFINITY,
+            admits: GeometryMask::ALL,
+            weight,
+            pixel: &self.pixel,
+            stack: &self.stack,
+            lead: self.lead(dir),
+            passes: &self.returning,
+            place: self.place,
+            extra: None,
+        }
+    }
+
+    /// Returns rays that leave on the far side in directions `dir`, in the media around the arriving rays.
+    #[inline(always)]
+    #[must_use]
+    pub fn transmitted(&self, dir: Vec3x8, weight: Rgb8) -> Spawn8<'_> {
+        Spawn8 { origin: self.below(), passes: &self.onward, ..self.reflected(dir, weight) }
     }
 
     /// Returns the distance along `dir` between the surface and a ray's origin, on either side.

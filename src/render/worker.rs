@@ -26,9 +26,6 @@ use crate::scene::{Bodies, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 use crate::{Error, Result};
 
-/// Largest number of consecutive surfaces that a ray may pass.
-pub const MOST_PASSES: u32 = 256;
-
 /// Packets traced at a time. Bounds memory: a queue never holds more than the children of two chunks.
 const CHUNK_PACKETS: usize = 1024;
 

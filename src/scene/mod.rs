@@ -30,6 +30,10 @@ use crate::Result;
 use crate::geometry::{Geometry, Shape, TriMesh};
 use crate::system::memory;
 
+/// Most consecutive surfaces that a ray passes without a reflection or refraction, in both renderers. Longer chains end as
+/// truncated weight, or block light.
+pub const MOST_PASSES: u32 = 256;
+
 /// Linear red, green and blue, as a radiance or a factor.
 pub type Rgb = glam::Vec3;
 

@@ -1,5 +1,5 @@
-//! Eight `f32` lanes. A newtype over `wide::f32x8` that leaves out its traps: the 12-bit `recip` and `recip_sqrt`,
-//! and the NaN-unsafe `fast_min` and `fast_max`.
+//! Eight `f32` lanes: a newtype over `wide::f32x8` without the 12-bit `recip` and `recip_sqrt`, and without `fast_min` and
+//! `fast_max`, whose result for a NaN depends on the CPU.
 
 #![allow(unsafe_code, reason = "intrinsics of the CPU")]
 
@@ -81,21 +81,21 @@ impl F32x8 {
         Mask8(self.0.is_finite())
     }
 
-    /// Lane `k` of the `i`-th becomes lane `i` of the `k`-th.
+    /// Transposes a matrix of 8 by 8: lane `k` of row `i` becomes lane `i` of row `k`.
     #[inline(always)]
     #[must_use]
     pub fn transpose(rows: [Self; 8]) -> [Self; 8] {
         wide::f32x8::transpose(rows.map(|r| r.0)).map(Self)
     }
 
-    /// Rounded towards zero, for lanes that an `i32` can hold; others give any number.
+    /// Rounds towards zero. Lanes outside the range of `i32` give an undefined number.
     #[inline(always)]
     #[must_use]
     pub fn truncated(self) -> [i32; 8] {
         self.0.fast_trunc_int().to_array()
     }
 
-    /// The largest of eight numbers, none of which is NaN.
+    /// The largest lane. No lane may be NaN.
     #[inline(always)]
     #[must_use]
     pub fn reduce_max(self) -> f32 {

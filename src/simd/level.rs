@@ -1,10 +1,11 @@
-//! Which instruction set this binary was built for, and whether the machine it runs on has it.
+//! The instruction set that this binary was built for, and the check that the machine has it.
 //!
-//! `wide` chooses its instructions at compile time, so a binary built for one machine may meet an illegal instruction
-//! on another. `is_x86_feature_detected!` cannot tell: for a feature the compiler was told to assume, it is the
-//! constant `true`, and the check is compiled away. So CPUID and XGETBV are asked here, and [`check`] must itself run on
-//! the machine that lacks everything: it takes one 32-bit word at a time through functions that are not inlined, with
-//! masks made at compile time, so that the compiler finds no use for anything beyond the first x86-64.
+//! `wide` chooses its instructions at compile time, so that a binary built for one machine may hit an illegal instruction on
+//! another. `is_x86_feature_detected!` cannot detect this: for a feature that the compiler assumes it is the constant `true`,
+//! and the check is compiled away. So this module executes CPUID and XGETBV itself.
+//!
+//! [`check`] must run on a machine that lacks every feature. It processes one 32-bit word at a time, in functions that are not
+//! inlined, with masks computed at compile time. So the compiler has no use for instructions beyond baseline x86-64.
 
 #![allow(unsafe_code, reason = "CPUID and XGETBV")]
 
@@ -26,13 +27,13 @@ pub const BUILT: &str = match (
     _ => "portable",
 };
 
-/// The cure, where the build is for less than the machine can do.
+/// The cure if the build uses less than the machine offers.
 pub const CURE: &str = "build with RUSTFLAGS=\"-C target-cpu=native\"";
 
 /// Bits of `build` that `cpu` lacks; both in the layout of one CPUID register.
 #[must_use]
 pub fn missing(build: u32, cpu: u32) -> u32 {
-    // Kept apart, since NOT and AND together become ANDN, itself one of the instructions in question.
+    // Kept apart: NOT and AND would be combined into ANDN, which is one of the instructions in question.
     build & std::hint::black_box(!cpu)
 }
 
@@ -47,14 +48,14 @@ pub fn check() -> Result<(), Unfit> {
     Ok(())
 }
 
-/// What [`check`] found; the message is out by then.
+/// The error of [`check`], which has already printed the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unfit;
 
-/// What the program ends with where [`check`] fails: a limit of this machine.
+/// Exit code of the program if [`check`] fails: a limit of this machine.
 pub const EXIT_CODE: u8 = 4;
 
-/// Names of the features that this binary needs, each with whether the machine has it.
+/// Names of the features that this binary needs; each is true if the machine has it.
 #[must_use]
 pub fn needed() -> Vec<(&'static str, bool)> {
     #[cfg(target_arch = "x86_64")]
@@ -63,7 +64,7 @@ pub fn needed() -> Vec<(&'static str, bool)> {
     Vec::new()
 }
 
-/// The best instruction set that this machine could run a build for, in the words of [`BUILT`].
+/// The best instruction set that this machine supports, in the words of [`BUILT`].
 #[must_use]
 pub fn available() -> &'static str {
     #[cfg(target_arch = "x86_64")]
@@ -72,8 +73,8 @@ pub fn available() -> &'static str {
     BUILT
 }
 
-/// Whether the operating system saves the 256-bit and the 512-bit registers (XCR0, by XGETBV). False where there are
-/// none to save.
+/// Returns, for 256-bit and for 512-bit registers, true if the operating system saves them (XCR0, by XGETBV). False if the
+/// CPU has none.
 #[must_use]
 pub fn saved() -> [bool; 2] {
     #[cfg(target_arch = "x86_64")]
@@ -111,7 +112,7 @@ mod x86 {
 
     const REGISTERS: [Register; 7] = [C1, B7, C7, D7, A71, D71, C8];
 
-    /// What the operating system must save on a task switch for a feature to be usable.
+    /// The registers that the operating system must save on a task switch for a feature to be usable.
     #[derive(Clone, Copy, PartialEq, Eq)]
     enum State {
         /// Nothing beyond what every x86-64 system does.

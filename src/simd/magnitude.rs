@@ -4,7 +4,7 @@
 
 use super::F32x8;
 
-/// What every CPU can do.
+/// The form for every CPU.
 #[cfg(any(test, not(all(target_feature = "avx512dq", target_feature = "avx512vl"))))]
 mod portable {
     use super::F32x8;
@@ -27,13 +27,13 @@ mod range {
 
     use super::F32x8;
 
-    /// Of the two magnitudes, the smaller or the larger, with its sign taken away.
+    /// Immediate operands: the smaller or the larger of two magnitudes, with the sign bit cleared.
     const LEAST: i32 = 0b1010;
     const GREATEST: i32 = 0b1011;
 
     #[inline(always)]
     fn range<const WHICH: i32>(x: F32x8, y: F32x8) -> F32x8 {
-        // SAFETY: compiled only where the build takes the instruction for granted, and `level` refuses a CPU without it.
+        // SAFETY: compiled only if the build requires the instruction, and `level` rejects a CPU without it.
         bytemuck::cast(unsafe { _mm256_range_ps::<WHICH>(bytemuck::cast(x), bytemuck::cast(y)) })
     }
 

@@ -1,4 +1,4 @@
-//! Eight truth values, as comparisons give them.
+//! Masks of eight lanes, as comparisons return them.
 
 use std::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, Not};
 
@@ -9,7 +9,7 @@ use crate::math::LaneMask;
 
 /// Eight truth values, one a lane: all bits of the lane set, or none.
 ///
-/// Only comparisons and [`Mask8::from_bits`] make one, so that a NaN's sign bit can never pass for `true`.
+/// Only comparisons and [`Mask8::from_bits`] create masks, so that the sign bit of a NaN is never taken for `true`.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct Mask8(pub(super) wide::f32x8);
@@ -39,28 +39,28 @@ impl Mask8 {
         Self::from_bits(first_bits(n))
     }
 
-    /// One bit a lane, lane 0 lowest.
+    /// The mask as bits, lane 0 lowest.
     #[inline(always)]
     #[must_use]
     pub fn bits(self) -> u8 {
         self.0.to_bitmask() as u8
     }
 
-    /// How many lanes are true.
+    /// Number of true lanes.
     #[inline(always)]
     #[must_use]
     pub fn count(self) -> u32 {
         self.bits().count_ones()
     }
 
-    /// Whether lane `i` (0..8) is true.
+    /// Returns true if lane `i` (0..8) is true.
     #[inline(always)]
     #[must_use]
     pub fn lane(self, i: usize) -> bool {
         self.bits() >> i & 1 != 0
     }
 
-    /// Whether no lane is true.
+    /// Returns true if no lane is true.
     #[inline(always)]
     #[must_use]
     pub fn none(self) -> bool {

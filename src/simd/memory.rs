@@ -1,9 +1,8 @@
-//! What is asked of memory beforehand: to be near, and to lie in large pages.
+//! Hints to the memory system: prefetches and large pages.
 
 #![allow(unsafe_code, reason = "hints to the operating system about memory")]
 
-/// Asks the caches for a value that will soon be read. Says nothing else: nothing is read, and where a CPU knows no
-/// such wish, nothing is done.
+/// Prefetches `value` into the L1 cache. No-op on targets without a prefetch instruction.
 #[inline(always)]
 pub fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]
@@ -17,20 +16,20 @@ pub fn prefetch<T>(value: &T) {
     let _ = value;
 }
 
-/// An empty vector with room for `count` values in memory that the system is asked to keep in large pages, where it
-/// knows such: walking a tree of many megabytes then finds its pages in the CPU's tables. Nothing else is different.
+/// Allocates an empty vector with capacity for `count` values, and asks the operating system for large pages. Traversal of a
+/// tree of many megabytes then causes fewer TLB misses. On systems without large pages the hint is left out.
 #[must_use]
 pub fn room_for<T>(count: usize) -> Vec<T> {
     let room = Vec::with_capacity(count);
     #[cfg(target_os = "linux")]
     {
-        /// Pages that a system may have; what is asked for has to begin and end with one.
+        /// The largest page size of Linux systems; the range of the hint must begin and end at a page.
         const PAGE: usize = 65_536;
         let start = room.as_ptr() as usize;
         let (first, end) = (start.next_multiple_of(PAGE), (start + count * size_of::<T>()) / PAGE * PAGE);
         if first < end {
-            // SAFETY: the pages lie within the vector's own memory, and the wish changes nothing that a program can
-            // read in them. What comes back says whether it was heard, which is all the same.
+            // SAFETY: the pages lie within the vector's own memory, and the call changes nothing that a program can read
+            // in them. The result is ignored: the call is only a hint.
             unsafe { libc::madvise(std::ptr::without_provenance_mut(first), end - first, libc::MADV_HUGEPAGE) };
         }
     }

@@ -1,5 +1,4 @@
-//! Eight lanes: numbers, masks and three-vectors over `wide`, and the few operations `wide` lacks, each with a
-//! portable twin. This room knows nothing of rays.
+//! Eight-lane numbers, masks and three-vectors over `wide`, and operations that `wide` lacks, each with a portable form.
 
 mod bits;
 mod f32x8;

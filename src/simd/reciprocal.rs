@@ -1,12 +1,12 @@
-//! One over a number, three ways, each a type.
+//! Three ways to compute a reciprocal, each a type.
 
 use super::F32x8;
 use crate::math::Real;
 
-/// Numbers of which the hardware has a quick guess at the reciprocal.
+/// Numbers with a hardware estimate of the reciprocal.
 pub trait Estimate: Real {
-    /// About `1 / self`: within 3.0e-4 of itself on x86-64 (`rcpps`), where CPU makers give different bits; a true
-    /// quotient where there is no such instruction, and in `f64`.
+    /// Approximately `1 / self`, with a relative error of at most 3.0e-4 on x86-64 (`rcpps`). The bits depend on the CPU vendor.
+    /// It is a true quotient on targets without such an instruction, and in `f64`.
     #[must_use]
     fn reciprocal_estimate(self) -> Self;
 }
@@ -32,7 +32,7 @@ impl Estimate for f64 {
     }
 }
 
-/// A way to work out `1 / x`.
+/// A way to compute `1 / x`.
 pub trait Reciprocal: Copy + Send + Sync + 'static {
     /// `1 / x`.
     fn of<R: Estimate>(x: R) -> R;
@@ -56,16 +56,16 @@ crate::choice! {
     }
 }
 
-/// A true division: the nearest number, everywhere the same.
+/// True division: the nearest number, the same on every CPU.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Division;
 
-/// The hardware's guess. Never a default: other CPUs, other bits.
+/// The hardware estimate. Never a default, since its bits depend on the CPU.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Guess;
 
-/// The hardware's guess and one Newton step, `e + e (1 - x e)`: within 2e-7 of itself where products are fused. NaN for
-/// zero and infinity, and for denormal numbers, of which the guess is infinite.
+/// The hardware estimate with one Newton step, `e + e (1 - x e)`: a relative error of at most 2e-7 if products are fused. NaN
+/// for zero and infinity, and for denormal numbers, whose estimate is infinite.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NewtonStep;
 
@@ -75,7 +75,7 @@ impl Reciprocal for Division {
         R::one() / x
     }
 
-    /// One rounding, where a product with the reciprocal has two.
+    /// A quotient has one rounding; a product with the reciprocal has two.
     #[inline(always)]
     fn quotient<R: Estimate>(a: R, b: R) -> R {
         a / b

@@ -24,7 +24,7 @@ pub struct Shot {
     pub seconds: f64,
     /// Wall time of building the hierarchy, now or the first time.
     pub build_seconds: f64,
-    /// TestCounts of triangle tests, where a walk of choice found the hits.
+    /// Numbers of triangle tests, where a walk of choice found the hits.
     pub lanes: Option<TestCounts>,
 }
 
@@ -83,9 +83,9 @@ impl<'a> Engine<'a> {
                 let walk = Walk::try_build(&scene.geometry, variant.bvh, test, reciprocal)?;
                 Ok(Unbounded::new(walk, &scene.geometry))
             })?;
-            let before = built.accel.inner().lanes();
+            let before = built.accel.inner().test_counts();
             let shot = timed(scene, built, &options, observer)?;
-            return Ok(Shot { lanes: Some(built.accel.inner().lanes().since(before)), ..shot });
+            return Ok(Shot { lanes: Some(built.accel.inner().test_counts().since(before)), ..shot });
         }
         match variant.precision {
             Precision::Double => {

@@ -8,7 +8,6 @@
 
 pub mod axis;
 pub mod budget;
-pub mod clock;
 pub mod condition;
 pub mod csv;
 pub mod digest;

@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::axis::{Axis, Precision};
-use super::clock::Figure;
 use super::energy::Ledger;
 use super::errors::Errors;
 use super::front::front;
 use super::journal::{Change, Journal, Rays};
 use super::reference::Made;
 use super::variant::Variant;
-use crate::trial::Machine;
+use crate::measure::Figure;
+use crate::measure::Machine;
 
 /// Everything that was measured.
 #[derive(Clone, Debug, Serialize)]
@@ -61,6 +61,9 @@ pub struct Pictured {
 pub struct Row {
     /// What it has else than the default.
     pub name: String,
+    /// True for the default variant.
+    #[serde(skip)]
+    pub is_default: bool,
     /// The axis, where it is one only.
     pub axis: Option<&'static str>,
     /// Its choices, all of them.
@@ -118,6 +121,7 @@ pub fn rows(journal: &Journal, default: &Variant, command: impl Fn(&Variant) -> 
             let ratio = Figure::of(&r.ratios);
             Row {
                 name: r.variant.name(default),
+                is_default: apart.is_empty(),
                 axis: (apart.len() == 1).then(|| apart[0].axis().name()),
                 levels: r.variant,
                 command: command(&r.variant),
@@ -157,7 +161,7 @@ pub fn rows(journal: &Journal, default: &Variant, command: impl Fn(&Variant) -> 
 /// What follows from the rows, in words.
 #[must_use]
 pub fn findings(rows: &[Row]) -> Vec<String> {
-    let Some(default) = rows.iter().find(|r| r.name == "default") else { return Vec::new() };
+    let Some(default) = rows.iter().find(|r| r.is_default) else { return Vec::new() };
     let mut out = Vec::new();
     for axis in Axis::ALL {
         for row in rows.iter().filter(|r| r.axis == Some(axis.name())) {
@@ -207,9 +211,9 @@ fn walked(row: &Row) -> String {
 }
 
 fn compared(error: f64, default: f64, change: Option<f64>) -> String {
-    let change = change.map_or_else(String::new, |c| format!(", no channel more than {c:.1e} from the default's"));
-    if change.ends_with("0.0e0 from the default's") {
+    if change == Some(0.0) {
         return String::from("the same picture to the bit");
     }
+    let change = change.map_or_else(String::new, |c| format!(", no channel more than {c:.1e} from the default's"));
     format!("RMSE {error:.1e} where the default has {default:.1e}{change}")
 }

@@ -16,10 +16,10 @@ use super::variant::Variant;
 use super::{digest, size};
 use crate::accel::reference::Reference as Arbiter;
 use crate::image::{self, Film};
+use crate::measure::Machine;
 use crate::render::Observer;
 use crate::render::reference::Prepared;
 use crate::scene::Scene;
-use crate::trial::Machine;
 use crate::{Error, Result};
 
 /// Smallest number of runs for a meaningful interval.
@@ -347,7 +347,7 @@ impl Session<'_> {
                 self.say(&title);
                 match self.first(variant, ASKING * share / some.len() as f64) {
                     Ok(turn) => turns.push(turn),
-                    Err(Error::Limit(why) | Error::Usage(why)) => self.leave_out(&title, &why),
+                    Err(e) if e.is_refusal() => self.leave_out(&title, &e.to_string()),
                     Err(e) => return Err(e),
                 }
             }

@@ -1,7 +1,7 @@
 //! The report for a terminal of 80 columns: a table, and time against error as a plot of characters.
 
-use super::clock::Figure;
 use super::report::{Report, Row};
+use crate::measure::Figure;
 
 /// Columns and rows inside the frame of the plot.
 const PLOT: [usize; 2] = [66, 16];
@@ -61,7 +61,7 @@ fn table(report: &Report) -> String {
         let light = format!("{:+.2}%", row.ledger.error() * 100.0);
         let mut names = name_lines(&row.name).into_iter();
         let first = names.next().unwrap_or_default();
-        let time = if row.name == "default" { String::from("1") } else { short(row.ratio.median) };
+        let time = if row.is_default { String::from("1") } else { short(row.ratio.median) };
         text += &format!("{mark:<2}{first:<24}{time:>7} {interval:>13}{rmse:>9}{max:>9}{visible:>7}{light:>8}\n");
         for more in names {
             text += &format!("    {more}\n");
@@ -143,7 +143,7 @@ fn plot(rows: &[Row]) -> String {
         .zip(marks)
         .filter_map(|(r, mark)| {
             let error = r.own.as_ref()?.ranked();
-            let c = mark.unwrap_or(if r.name == "default" { 'D' } else { '.' });
+            let c = mark.unwrap_or(if r.is_default { 'D' } else { '.' });
             (error > 0.0).then_some((r.ratio.median.log10(), error.log10(), c))
         })
         .collect();

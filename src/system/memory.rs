@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::left::{Bound, Left, left, left_to_map};
-use crate::{Error, Result};
+use crate::error::{Error, Result, TooLarge};
 
 /// Bytes that must stay free beside what was asked for: small allocations of every stage.
 const ASIDE: u64 = 2 << 20;
@@ -80,31 +80,28 @@ fn fallibly<T>(attempt: impl FnOnce() -> T) -> T {
 /// Begins a stage that makes `what` and takes up to `bytes` of memory.
 ///
 /// # Errors
-/// [`Error::Limit`], where the system does not leave that much. The message names `what`, its size, what is left, and as
+/// [`Error::TooLarge`], where the system does not leave that much. The message names `what`, its size, what is left, and as
 /// cures a higher limit or `cure`, which follows "or".
 pub fn need(what: &str, bytes: u64, cure: &'static str) -> Result<()> {
     begin(what, cure);
-    room(bytes).map(|_| ()).map_err(|left| too_large(what, bytes, left, cure))
+    room(bytes).map(|_| ()).map_err(|left| too_large(what, amount(bytes), left, cure))
 }
 
 /// Begins a stage that maps up to `bytes` for `what` and writes little of it: only limits on mappings count.
 ///
 /// # Errors
-/// [`Error::Limit`] as [`need`].
+/// [`Error::TooLarge`] as [`need`].
 pub fn need_mapped(what: &str, bytes: u64, cure: &'static str) -> Result<()> {
     begin(what, cure);
     match left_to_map() {
-        Some(left) if left.bytes < bytes.saturating_add(ASIDE) => Err(too_large(what, bytes, Some(left), cure)),
+        Some(left) if left.bytes < bytes.saturating_add(ASIDE) => Err(too_large(what, amount(bytes), Some(left), cure)),
         _ => Ok(()),
     }
 }
 
 /// The error for `what`, where a library reports that memory ran out and not how much it asked for.
 pub fn ran_out(what: &str, cure: &str) -> Error {
-    Error::Limit(match left() {
-        Some(left) => format!("{what}: more memory needed, {}", left_and_cure(left, cure)),
-        None => format!("{what}: more memory needed than the system gives; {cure}"),
-    })
+    too_large(what, String::from("more memory"), left(), cure)
 }
 
 /// Notes the stage for the message of an allocation that fails.
@@ -135,22 +132,23 @@ fn room(bytes: u64) -> std::result::Result<bool, Option<Left>> {
     }
 }
 
-fn too_large(what: &str, bytes: u64, left: Option<Left>, cure: &str) -> Error {
-    let needed = Size(bytes.saturating_add(ASIDE));
-    Error::Limit(match left {
-        Some(left) => format!("{what}: {needed} of memory needed, {}", left_and_cure(left, cure)),
-        None => format!("{what}: {needed} of memory needed, more than the system gives; {cure}"),
-    })
+fn too_large(what: &str, needs: String, left: Option<Left>, cure: &str) -> Error {
+    let limit = match left {
+        Some(Left { bytes, bound }) => format!("{} left {bound}; {} or {cure}", Size(bytes), bound.cure()),
+        None => format!("more than the system gives; {cure}"),
+    };
+    TooLarge { what: what.into(), needs, limit }.into()
 }
 
-fn left_and_cure(Left { bytes, bound }: Left, cure: &str) -> String {
-    format!("{} left {bound}; {} or {cure}", Size(bytes), bound.cure())
+/// `bytes` of memory and what is left aside, as errors name them.
+fn amount(bytes: u64) -> String {
+    format!("{} of memory", Size(bytes.saturating_add(ASIDE)))
 }
 
 /// Reserves room for exactly `additional` more values.
 ///
 /// # Errors
-/// [`Error::Limit`] as [`need`], for `what`.
+/// [`Error::TooLarge`] as [`need`], for `what`.
 pub fn reserve<T: Copy + Default>(list: &mut Vec<T>, additional: usize, what: &str, cure: &'static str) -> Result<()> {
     if list.capacity() - list.len() < additional {
         grow(list, additional, what, cure)?;
@@ -161,7 +159,7 @@ pub fn reserve<T: Copy + Default>(list: &mut Vec<T>, additional: usize, what: &s
 /// Appends a value. Grows the list by half where it is full.
 ///
 /// # Errors
-/// [`Error::Limit`] as [`need`], for `what`.
+/// [`Error::TooLarge`] as [`need`], for `what`.
 #[inline]
 pub fn push<T: Copy + Default>(list: &mut Vec<T>, value: T, what: &str, cure: &'static str) -> Result<()> {
     if list.len() == list.capacity() {
@@ -178,8 +176,8 @@ fn grow<T: Copy + Default>(list: &mut Vec<T>, additional: usize, what: &str, cur
     const MOVED: usize = 32 << 20;
     let (held, more) = (list.capacity() * size_of::<T>(), additional.saturating_mul(size_of::<T>()));
     let bytes = more.saturating_add(if held < MOVED { held } else { 0 }) as u64;
-    let counted_when_written = room(bytes).map_err(|left| too_large(what, bytes, left, cure))?;
-    fallibly(|| list.try_reserve_exact(additional)).map_err(|_| too_large(what, bytes, left(), cure))?;
+    let counted_when_written = room(bytes).map_err(|left| too_large(what, amount(bytes), left, cure))?;
+    fallibly(|| list.try_reserve_exact(additional)).map_err(|_| too_large(what, amount(bytes), left(), cure))?;
     if counted_when_written {
         // Else the next check would count on this memory once more.
         for value in list.spare_capacity_mut() {

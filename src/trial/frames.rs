@@ -8,13 +8,14 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::machine::Machine;
 use super::report::mode_name;
-use super::timing::{self, Figure};
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, BuildStats, Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
 use crate::image::Film;
+use crate::measure::Machine;
+use crate::measure::Percentiles;
+use crate::measure::table::aligned;
 use crate::render::{self, Observer, Options};
 use crate::scene::Scene;
 use crate::simd::Mask8;
@@ -186,10 +187,10 @@ fn measure(
     }
     let first = report.frames.len() - accels.len();
     for (frame, seconds_of) in report.frames[first..].iter_mut().zip(&seconds) {
-        let figure = Figure::of(seconds_of.iter().map(|s| s * 1e3).collect());
+        let figure = Percentiles::of(seconds_of.iter().map(|s| s * 1e3).collect());
         (frame.ms, frame.spread) = (figure.median, figure.spread);
         if frame.backend != Backend::Native {
-            let Figure { median, spread } = timing::ratio(&seconds[0], seconds_of);
+            let Percentiles { median, spread } = Percentiles::of_ratio(&seconds[0], seconds_of);
             let scene = name.to_owned();
             report.ratios.push(FrameRatio { scene, threads, against: frame.backend, ratio: median, spread });
         }
@@ -229,5 +230,5 @@ pub fn table(report: &Frames) -> String {
             f.different.to_string(),
         ]);
     }
-    format!("{}\n{}", super::text::machine(&report.machine), super::text::aligned(&rows))
+    format!("{}\n{}", super::text::machine(&report.machine), aligned(&rows))
 }

@@ -6,9 +6,9 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::random::Pcg32;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Aabb, Geometry, Hit, Hit8, Ray, Ray8, Shape};
+use crate::measure::random::Pcg32;
 
 /// Refractive index behind every surface.
 const INDEX: f32 = 1.5;

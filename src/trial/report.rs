@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::machine::Machine;
 use crate::accel::Backend;
+use crate::measure::Machine;
 
 /// Everything that was measured.
 #[derive(Clone, Debug, Serialize)]

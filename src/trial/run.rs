@@ -2,14 +2,15 @@
 
 use super::agree::{Finding, Judge};
 use super::contender::{self, Answers, Contender};
-use super::machine::Machine;
 use super::rays::{self, Picture, RayKind, RaySet, View};
 use super::report::{Build, Ratio, Report, Row};
 use super::team::Team;
-use super::timing::{self, Figure, Watch};
+use super::timing::{self, Watch};
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
+use crate::measure::Machine;
+use crate::measure::Percentiles;
 
 /// What rays are shot at.
 #[derive(Clone, Debug)]
@@ -150,7 +151,7 @@ fn build(subject: &Subject, plan: &BenchPlan, embree: bool, watch: &Watch, repor
                 backend: accel.backend(),
                 quality: accel.embree().map_or(plan.bvh.name(), |_| "medium"),
                 threads,
-                ms: Figure::of(ms).median,
+                ms: Percentiles::of(ms).median,
                 bytes_per_triangle: stats.bytes as f64 / (stats.triangles + stats.spheres).max(1) as f64,
             }
         }));
@@ -186,7 +187,7 @@ fn measure(
             noted.extend(findings.into_iter().filter(|_| threads == plan.threads[0]));
             let seconds = timing::rounds(&mut contenders, set, &team, plan.rounds.max(1), watch)?;
             let labels: Vec<_> = contenders.iter().map(|c| c.label()).collect();
-            let figures: Vec<Figure> = seconds.iter().map(|s| timing::millions(set.count, s)).collect();
+            let figures: Vec<Percentiles> = seconds.iter().map(|s| Percentiles::of_millions(set.count, s)).collect();
             for (label, figure) in labels.iter().zip(&figures) {
                 report.rows.push(Row {
                     mesh: subject.name.clone(),
@@ -204,7 +205,7 @@ fn measure(
                 let Some(best) = modes.max_by(|&a, &b| figures[a].median.total_cmp(&figures[b].median)) else {
                     continue;
                 };
-                let ratio = timing::ratio(&seconds[0], &seconds[best]);
+                let ratio = Percentiles::of_ratio(&seconds[0], &seconds[best]);
                 report.ratios.push(Ratio {
                     mesh: subject.name.clone(),
                     rays: set.kind.name(),

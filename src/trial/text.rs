@@ -1,8 +1,9 @@
 //! The report as tables of at most 100 columns.
 
-use super::machine::Machine;
 use super::report::{Build, Report, distinct};
 use crate::accel::Backend;
+use crate::measure::Machine;
+use crate::measure::table::aligned;
 
 /// All of it, line by line.
 #[must_use]
@@ -83,22 +84,6 @@ fn ratios(report: &Report, mesh: &str, threads: usize) -> String {
         rows.push(row);
     }
     if report.ratios.is_empty() { String::new() } else { format!("\n{}", aligned(&rows)) }
-}
-
-/// Rows with their columns below each other, the first to the left, all others to the right.
-pub(super) fn aligned(rows: &[Vec<String>]) -> String {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|cell| cell.chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    let line = |row: &Vec<String>| {
-        let mut text = String::from(" ");
-        for (c, cell) in row.iter().enumerate() {
-            let width = widths[c];
-            text += &if c == 0 { format!(" {cell:<width$}") } else { format!("  {cell:>width$}") };
-        }
-        text.trim_end().to_owned() + "\n"
-    };
-    rows.iter().map(line).collect()
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! The clock: contenders take turns, and are compared turn by turn.
+//! The rounds of a trial, in which contenders take turns.
 //!
-//! Clocks drift and neighbours steal time, so that a figure of one minute says little about another. In each round every
-//! contender has its turn, A B C A B C; what is compared is the ratio within a round, and the figure is the median of these.
+//! Clock rates drift and other processes take time, so times of different minutes do not compare. In each round every
+//! contender has one turn, A B C A B C. Ratios are taken within a round, and the figure is their median.
 //!
-//! Renders know one back end, whose tree stays in the caches as far as it fits. Here each back end pushes the others' out,
-//! and who comes after a mode of its own back end finds what that one left: among a million triangles up to a third faster.
-//! So turns go from back end to back end, and a turn is two runs, of which the second counts.
+//! A render uses one back end, whose tree stays in the caches as far as it fits. In a trial the back ends evict each other's
+//! trees. A contender right after another of the same back end is up to a third faster among a million triangles. So turns
+//! alternate between back ends, and each turn runs twice: a warm-up, then the timed run.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -32,29 +32,6 @@ impl Watch<'_> {
     pub fn step(&self) -> Result<()> {
         self.done.fetch_add(1, Ordering::Relaxed);
         if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
-    }
-}
-
-/// A figure taken once a round.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure {
-    /// Median over the rounds.
-    pub median: f64,
-    /// From the 10th to the 90th percentile.
-    pub spread: [f64; 2],
-}
-
-impl Figure {
-    /// Of the figures of all rounds, at least one. Between two of them, percentiles are interpolated.
-    #[must_use]
-    pub fn of(mut rounds: Vec<f64>) -> Self {
-        rounds.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let place = share * (rounds.len() - 1) as f64;
-            let (below, above) = (place.floor() as usize, place.ceil() as usize);
-            rounds[below] + (rounds[above] - rounds[below]) * place.fract()
-        };
-        Self { median: at(0.5), spread: [at(0.1), at(0.9)] }
     }
 }
 
@@ -95,36 +72,9 @@ fn turns<B: PartialEq>(backends: &[B]) -> Vec<usize> {
     order
 }
 
-/// Millions a second in each round.
-#[must_use]
-pub fn millions(count: usize, seconds: &[f64]) -> Figure {
-    Figure::of(seconds.iter().map(|s| count as f64 * 1e-6 / s).collect())
-}
-
-/// How many times as fast as `b` was `a`, round by round.
-#[must_use]
-pub fn ratio(a: &[f64], b: &[f64]) -> Figure {
-    Figure::of(a.iter().zip(b).map(|(a, b)| b / a).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn median_and_percentiles_by_hand() {
-        assert_eq!(Figure::of(vec![3.0]), Figure { median: 3.0, spread: [3.0, 3.0] });
-        let eleven = Figure::of((0..=10).rev().map(f64::from).collect());
-        assert_eq!(eleven, Figure { median: 5.0, spread: [1.0, 9.0] });
-        assert_eq!(Figure::of(vec![1.0, 2.0]).median, 1.5);
-    }
-
-    #[test]
-    fn a_round_in_which_all_were_slow_does_not_change_the_ratio() {
-        let (a, b) = ([1.0, 10.0, 1.0], [2.0, 20.0, 2.0]);
-        assert_eq!(ratio(&a, &b), Figure { median: 2.0, spread: [2.0, 2.0] });
-        assert_eq!(millions(3_000_000, &[1.0, 3.0, 1.5]).median, 2.0);
-    }
 
     #[test]
     fn nobody_comes_after_another_of_the_same_back_end_where_that_can_be() {

@@ -117,7 +117,7 @@ fn aimed_rays_slip_past_the_tests_that_leak_and_fall_to_f64_in_the_certified_one
     let lost = |test: TriangleModel, rays: &[Ray]| {
         let of = walk(&geometry, test);
         let hits = contract::closest(&of, rays);
-        (hits.iter().filter(|hit| !hit.is_hit()).count(), of.lanes())
+        (hits.iter().filter(|hit| !hit.is_hit()).count(), of.test_counts())
     };
     for test in [TriangleModel::Watertight, TriangleModel::Certified] {
         assert_eq!(lost(test, &seams).0, 0, "{test:?}");

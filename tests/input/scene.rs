@@ -103,7 +103,7 @@ fn materials_out_of_range_are_refused() {
         ("type = 'dielectric'\nior = 1.5\nabsorption = 1\ncolor = 1", "not both"),
         ("type = 'dielectric'\nior = 1.5\ncolor = 2\ndistance = 1", "at most 1"),
         ("type = 'dielectric'\nior = 1.5\ncolor = 0.5\ndistance = 0", "above 0"),
-        ("type = 'dielectric'\nior = 1.5\ndistance = 1", "no `color`"),
+        ("type = 'dielectric'\nior = 1.5\ndistance = 1", "needs a `color`"),
         ("type = 'dielectric'\nior = 1.5\npriority = -2147483648", "from -2147483647"),
         ("type = 'diffuse'\ncolor = -0.5", "at least 0"),
         ("type = 'diffuse'\ncolor = 1.5", "at most 1"),
@@ -135,7 +135,7 @@ fn lights_out_of_range_are_refused() {
     for (lines, part) in [
         ("type = 'point'\nintensity = 1", "needs `position`"),
         ("type = 'point'\nposition = [0, 0, 0]\nintensity = -1", "at least 0"),
-        ("type = 'directional'\nintensity = 1", "a direction or a target"),
+        ("type = 'directional'\nintensity = 1", "a `direction` or a `target`"),
         ("type = 'directional'\nintensity = 1\ndirection = [0, 0, 0]", "not 0"),
         ("type = 'directional'\nintensity = 1\ndirection = [0, 1, 0]\ntarget = [0, 0, 0]", "not both"),
         ("type = 'spot'\nposition = [1, 2, 3]\ntarget = [1, 2, 3]\nintensity = 1", "is its position"),

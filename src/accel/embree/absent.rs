@@ -42,32 +42,42 @@ pub fn installed() -> std::result::Result<Installed, Unavailable> {
     reason = "as in builds with the feature; none can be called but `build`"
 )]
 impl Embree {
+    /// Fails.
+    ///
+    /// # Errors
+    /// [`Unavailable::NotCompiledIn`].
     pub fn build(_: &[Geometry], _: &Options) -> Result<Self> {
         Err(Unavailable::NotCompiledIn.into())
     }
 
+    /// The same hierarchy, asked by calls of this width.
     #[must_use]
     pub fn with_width(&self, _: Width) -> Self {
         match *self {}
     }
 
+    /// The library that traces.
     #[must_use]
     pub fn library(&self) -> Installed {
         match *self {}
     }
 
+    /// Puts rays into `Packed`.
     pub fn pack(&self, _: &[Ray8], _: Width, _: bool, _: &mut Packed) {
         match *self {}
     }
 
+    /// Traces packed rays.
     pub fn trace_packed(&self, _: &mut Packed, _: Coherence) {
         match *self {}
     }
 
+    /// Reads hits out of `Packed`.
     pub fn unpack(&self, _: &Packed, _: &[Ray8], _: &mut [Hit8]) {
         match *self {}
     }
 
+    /// Reads blocked lanes out of `Packed`.
     pub fn unpack_blocked(&self, _: &Packed, _: &[Ray8], _: &mut [Mask8]) {
         match *self {}
     }

@@ -152,6 +152,7 @@ pub fn installed() -> std::result::Result<Installed, Unavailable> {
     match Library::open(None) {
         Ok(library) => Ok(library.installed()),
         Err(Error::Unavailable(why)) => Err(why),
+        Err(Error::TooLarge(why)) => Err(why.into()),
         Err(other) => Err(Unavailable::Failed(other.to_string())),
     }
 }

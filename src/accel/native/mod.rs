@@ -1,8 +1,8 @@
-//! Our own hierarchy, eight wide: triangles in one tree, exact spheres in another.
+//! The native accelerator: an eight-wide bounding volume hierarchy over triangles, and another one over exact spheres.
 //!
-//! One ray meets eight boxes or eight primitives at once, or eight rays meet one of each; every kernel gives every
-//! ray the same bits, which are those of testing all primitives one after the other. See `geometry/slab.rs` and
-//! `geometry/triangle.rs` for why no box can lose a hit and no seam a ray.
+//! Kernels test one ray against eight boxes or primitives, or eight rays against one. Every kernel gives every ray the same
+//! bits as testing all primitives one after the other. `geometry/slab.rs` proves that no box loses a hit,
+//! `geometry/triangle.rs` that no ray passes between triangles with a common edge.
 
 pub(super) mod build;
 pub(super) mod node;
@@ -29,7 +29,7 @@ use crate::math::Vector3;
 use crate::simd::Mask8;
 use crate::system::memory;
 
-/// The native accelerator. Holds its own copy of the triangles; planes are left to [`super::Unbounded`].
+/// The native accelerator. It has its own copy of the triangles. [`super::Unbounded`] adds infinite planes.
 #[derive(Clone, Debug)]
 pub struct Native {
     pub(super) triangles: Bvh8<Tri8>,
@@ -47,25 +47,25 @@ impl Native {
         Self::build_as(geometry, BuildQuality::Default)
     }
 
-    /// [`Native::try_build_as`] where there is memory for it.
+    /// [`Native::try_build_as`], which panics where that returns an error.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is not enough memory.
     #[must_use]
     pub fn build_as(geometry: &[Geometry], quality: BuildQuality) -> Self {
         Self::try_build_as(geometry, quality).unwrap_or_else(|e| panic!("{e}"))
     }
 
-    /// Builds over the meshes and spheres of `geometry`; a hit's geometry is the place in this list. What cannot be
-    /// hit ([`crate::geometry::TriMesh::is_usable`]) is left out and counted. The same tree for any number of threads,
-    /// and the same hits to the bit by every quality.
+    /// Builds the hierarchies over the meshes and spheres of `geometry`. The geometry id of a hit is its index in this list.
+    /// Unusable primitives ([`crate::geometry::TriMesh::is_usable`]) are left out and counted. The tree is the same for any
+    /// number of threads, and the hits are the same to the bit for every quality.
     ///
     /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit), where there is no memory for the hierarchy.
+    /// [`Error::Limit`](crate::Error::Limit) if there is not enough memory for the hierarchy.
     pub fn try_build_as(geometry: &[Geometry], quality: BuildQuality) -> Result<Self> {
         let counts = Counts::of(geometry);
         let what = counts.named("the hierarchy over");
-        memory::need(&what, collapse::bytes_first(counts.triangles + counts.spheres, quality), counts.cure())?;
+        memory::need(&what, collapse::build_bytes(counts.triangles + counts.spheres, quality), counts.cure())?;
         let start = Instant::now();
         let (mut triangles, mut spheres) = (Vec::new(), Vec::new());
         let mut dropped = 0;
@@ -75,16 +75,16 @@ impl Native {
                 Shape::Mesh(mesh) => {
                     let before = triangles.len();
                     let count = mesh.triangles.len();
-                    // Into exactly the room they need; what is not usable is rare, and taken out afterwards.
+                    // Allocates exactly the size of the mesh. Unusable triangles are rare, and removed afterwards.
                     triangles.par_extend((0..count).into_par_iter().map(|i| {
                         let corners = mesh.corners(i);
                         if is_usable(&corners) { triangle_ref(corners, id, i as u32) } else { PrimRef::NONE }
                     }));
                     if triangles[before..].par_iter().any(PrimRef::is_none) {
-                        let mut place = 0;
+                        let mut index = 0;
                         triangles.retain(|p| {
-                            place += 1;
-                            place <= before || !p.is_none()
+                            index += 1;
+                            index <= before || !p.is_none()
                         });
                     }
                     dropped += count - (triangles.len() - before);
@@ -130,7 +130,7 @@ impl Native {
         Ok(Self { triangles, spheres, stats })
     }
 
-    /// The trees byte by byte, for the test that they are the same for any number of threads.
+    /// All bytes of the trees, for the test that they are the same for any number of threads.
     #[doc(hidden)]
     #[must_use]
     pub fn tree_bytes(&self) -> Vec<u8> {
@@ -145,10 +145,10 @@ impl Native {
         Trees { spheres: &self.spheres, triangles: &self.triangles }
     }
 
-    /// [`Intersector::closest`] by a kernel of choice.
+    /// [`Intersector::closest`] with a given kernel.
     ///
     /// # Panics
-    /// Where the two slices differ in length.
+    /// If the two slices differ in length.
     pub fn closest_with(
         &self,
         kernel: Kernel,
@@ -161,10 +161,10 @@ impl Native {
         self.trees().closest((kernel, coherence), rays, hits, scratch);
     }
 
-    /// [`Intersector::occluded`] by a kernel of choice.
+    /// [`Intersector::occluded`] with a given kernel.
     ///
     /// # Panics
-    /// Where the two slices differ in length.
+    /// If the two slices differ in length.
     pub fn occluded_with(
         &self,
         kernel: Kernel,
@@ -178,7 +178,7 @@ impl Native {
     }
 }
 
-/// Swaps the largest to the front, where a packet that asks for any hit tries it first.
+/// Swaps the largest primitive to the front, where any-hit packets test it first.
 fn largest_first<T>(primitives: &mut [T], size: impl Fn(&T) -> f32) {
     let (mut largest, mut most) = (0, f32::NEG_INFINITY);
     for (i, primitive) in primitives.iter().enumerate() {
@@ -188,7 +188,7 @@ fn largest_first<T>(primitives: &mut [T], size: impl Fn(&T) -> f32) {
     primitives.swap(0, largest);
 }
 
-/// A triangle's reference for the build, with the box that the triangle test knows it by.
+/// The reference to a triangle, with the box that the triangle test clamps `t` to.
 fn triangle_ref(corners: [glam::Vec3; 3], geometry: u32, primitive: u32) -> PrimRef {
     let [a, b, c] = corners;
     let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));

@@ -1,4 +1,4 @@
-//! The hierarchy asked about shafts: is there anything between a place and a lamp?
+//! Shaft queries: the occluders between a point and a lamp.
 
 use arrayvec::ArrayVec;
 
@@ -7,25 +7,26 @@ use super::node::bvh8::{Bvh8, NodeRef};
 use super::node::leaf::Leaf;
 use super::traverse::stack::STACK_SIZE;
 use crate::geometry::{Content, GeometryMask, Shaft};
+use crate::simd::set_lanes;
 
-/// Nodes and leaves that are looked at before a shaft counts as mixed.
-const LOOKED_AT: usize = 256;
+/// The number of nodes and leaves that are visited before a shaft counts as mixed.
+const MOST_VISITS: usize = 256;
 
-/// Those that are looked at for a cover once something is known to be there.
-const LOOKED_AT_FOR_A_COVER: usize = 12;
+/// The number of visits that search for a covering primitive after another one has been found in the shaft.
+const COVER_VISITS: usize = 12;
 
 impl Native {
-    /// The part of its triangles and spheres that is in a shaft; those that `blocks` meets stop light.
+    /// Classifies the triangles and spheres in a shaft. Those whose mask shares a bit with `blocks` are opaque.
     #[must_use]
     pub fn content(&self, shaft: &Shaft, blocks: GeometryMask) -> Content {
-        let spheres = look(&self.spheres, shaft, |leaf| {
+        let spheres = classify(&self.spheres, shaft, |leaf| {
             let tags = leaf.tags();
             shaft.spheres(leaf.centre, leaf.radius, tags.admitted(GeometryMask::ALL.0), tags.admitted(blocks.0))
         });
         if spheres == Content::Covered {
             return spheres;
         }
-        let triangles = look(&self.triangles, shaft, |leaf| {
+        let triangles = classify(&self.triangles, shaft, |leaf| {
             let tags = leaf.tags();
             shaft.triangles(&leaf.corners(), tags.admitted(GeometryMask::ALL.0), tags.admitted(blocks.0))
         });
@@ -33,13 +34,14 @@ impl Native {
     }
 }
 
-fn look<L>(tree: &Bvh8<L>, shaft: &Shaft, content: impl Fn(&L) -> Content) -> Content {
+/// Classifies the primitives of one tree; `content` does so for one leaf.
+fn classify<L>(tree: &Bvh8<L>, shaft: &Shaft, content: impl Fn(&L) -> Content) -> Content {
     let mut stack = ArrayVec::<NodeRef, STACK_SIZE>::new();
     if tree.root != NodeRef::NONE {
         stack.push(tree.root);
     }
     let mut found = Content::Empty;
-    let mut left = LOOKED_AT;
+    let mut left = MOST_VISITS;
     while let Some(here) = stack.pop() {
         if left == 0 {
             return Content::Mixed;
@@ -50,20 +52,16 @@ fn look<L>(tree: &Bvh8<L>, shaft: &Shaft, content: impl Fn(&L) -> Content) -> Co
                 Content::Covered => return Content::Covered,
                 Content::Mixed => {
                     found = Content::Mixed;
-                    left = left.min(LOOKED_AT_FOR_A_COVER);
+                    left = left.min(COVER_VISITS);
                 }
                 Content::Empty => {}
             }
             continue;
         }
         let node = &tree.nodes[here.index()];
-        let met = shaft.boxes(&node.boxes);
-        // The likeliest blockers are last, and come off first.
-        for (slot, &child) in node.children.iter().enumerate() {
-            if met >> slot & 1 != 0 && child != NodeRef::NONE {
-                stack.push(child);
-            }
-        }
+        let hit = shaft.boxes(&node.boxes);
+        // The likeliest blockers are pushed last and popped first.
+        stack.extend(set_lanes(hit).map(|slot| node.children[slot]).filter(|&child| child != NodeRef::NONE));
     }
     found
 }

@@ -1,4 +1,4 @@
-//! Whether a built hierarchy is what every traversal takes it for.
+//! Validation of a built hierarchy: the invariants that every traversal relies on.
 
 use super::build::primitive::Bounds;
 use super::node::bvh8::{Bvh8, MAX_DEPTH, NodeRef};
@@ -8,10 +8,10 @@ use super::node::tri8::Tri8;
 use super::{Native, triangle_ref};
 use crate::geometry::{Geometry, Shape, sphere};
 
-/// Lower and upper corner.
+/// Lower and upper corner of a box.
 type Box3 = ([f32; 3], [f32; 3]);
 
-/// Leaves whose primitives know the boxes they are tested with.
+/// Leaves that compute the boxes of their primitives anew.
 trait Boxed: Leaf {
     /// The grown box of the primitive in slot `i`.
     fn bounds(&self, i: usize) -> Box3;
@@ -33,12 +33,15 @@ impl Boxed for Sphere8 {
 }
 
 impl Native {
-    /// Checks every invariant of the trees against the geometry they were built from: each box holds what lies below
-    /// it, every primitive that can be hit is there exactly once and nothing else is, absent children come last and
-    /// cannot be met, nodes and leaves are all reached once, and no path is deeper than the stacks allow.
+    /// Checks the invariants of the trees against the geometry they were built from:
+    /// - each box contains the boxes below it;
+    /// - every usable primitive is in exactly one leaf, and no other primitive is in any;
+    /// - empty child slots come last, and no ray hits them;
+    /// - every node and leaf is reached exactly once;
+    /// - no path is longer than the traversal stacks allow.
     ///
     /// # Errors
-    /// The first thing found wrong, in words.
+    /// A description of the first violation.
     pub fn validate(&self, geometry: &[Geometry]) -> Result<(), String> {
         let mut triangles = Vec::new();
         let mut spheres = Vec::new();
@@ -68,6 +71,7 @@ impl Native {
     }
 }
 
+/// Checks one tree, which must hold the primitives `expected`.
 fn check<L: Boxed>(tree: &Bvh8<L>, expected: &[(u32, u32)]) -> Result<(), String> {
     let mut seen = Seen { node: vec![false; tree.nodes.len()], leaf: vec![false; tree.leaves.len()], depth: 0 };
     if tree.root != NodeRef::NONE {
@@ -91,12 +95,14 @@ fn check<L: Boxed>(tree: &Bvh8<L>, expected: &[(u32, u32)]) -> Result<(), String
     Ok(())
 }
 
+/// Nodes and leaves reached so far, and the number of levels.
 struct Seen {
     node: Vec<bool>,
     leaf: Vec<bool>,
     depth: usize,
 }
 
+/// Checks the subtree at `at`, whose box is `room`.
 fn visit<L: Boxed>(tree: &Bvh8<L>, at: NodeRef, room: &Box3, depth: usize, seen: &mut Seen) -> Result<(), String> {
     let i = at.index();
     if at.is_leaf() {
@@ -139,7 +145,7 @@ fn visit<L: Boxed>(tree: &Bvh8<L>, at: NodeRef, room: &Box3, depth: usize, seen:
     Ok(())
 }
 
-/// Whether the first box holds the second.
+/// Returns true if the first box contains the second.
 fn holds(outer: &Box3, inner: &Box3) -> bool {
     (0..3).all(|k| outer.0[k] <= inner.0[k] && inner.1[k] <= outer.1[k])
 }

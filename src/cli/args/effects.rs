@@ -16,9 +16,14 @@ pub(in crate::cli) struct EffectArgs {
 
 const HEADING: &str = "Effects";
 
+/// Returns the name of the flag that leaves an effect out.
+fn flag(effect: Effect) -> String {
+    format!("no-{effect}")
+}
+
 impl FromArgMatches for EffectArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let no = Effect::ALL.into_iter().filter(|e| matches.get_flag(e.name())).collect();
+        let no = Effect::ALL.into_iter().filter(|e| matches.get_flag(&flag(*e))).collect();
         Ok(Self { effects: matches.get_one::<String>("effects").cloned(), no })
     }
 
@@ -36,8 +41,8 @@ impl Args for EffectArgs {
             );
         Effect::ALL.iter().fold(command.arg(choice), |command, effect| {
             // The parser keeps names for ever.
-            let long: &'static str = format!("no-{effect}").leak();
-            let flag = Arg::new(effect.name()).long(long).action(ArgAction::SetTrue);
+            let name: &'static str = flag(*effect).leak();
+            let flag = Arg::new(name).long(name).action(ArgAction::SetTrue);
             command.arg(flag.help(effect.help()).help_heading(HEADING))
         })
     }

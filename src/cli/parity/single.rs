@@ -6,7 +6,7 @@ use super::Parity;
 use crate::Result;
 use crate::accel::reference::{Contact, Examined, Reference, Verdict};
 use crate::accel::{Backend, Coherence};
-use crate::cli::table::counted;
+use crate::measure::table::counted;
 use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::parity::{ask, cause_name, fault_name};

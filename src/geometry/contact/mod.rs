@@ -9,12 +9,15 @@
 mod face;
 mod flat;
 mod grid;
+mod join;
 mod overlap;
+mod repeats;
 mod round;
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{Aabb, Geometry, Shape};
 use crate::math::UNIT_ROUNDOFF;
@@ -118,11 +121,7 @@ impl Contacts {
     /// The entry of a face that touches something.
     #[inline]
     fn entry(&self, object: u32, primitive: u32) -> Option<&Touching> {
-        let place = match self.places.get(object as usize)? {
-            Places::None => return None,
-            Places::One(place) => *place,
-            Places::Each(places) => places[primitive as usize],
-        };
+        let place = self.places.get(object as usize)?.of(primitive)?;
         self.faces.get(place as usize)
     }
 
@@ -193,7 +192,14 @@ struct Found {
     /// Spheres that touch a face, by (object, primitive).
     tangents: Vec<([(u32, u32); 2], Tangent)>,
     two_sided: Vec<u32>,
+    /// Triangles that repeat an earlier one: object, triangle, and the earlier one, which stands for it.
+    stand_ins: Vec<(u32, u32, u32)>,
+    /// Objects in which triangles repeat earlier ones and this matters, with how many do.
+    repeated: Vec<(u32, usize)>,
 }
+
+/// By pair of objects: coincident faces, those of them that face the same side, and points.
+type Counts = BTreeMap<[u32; 2], [u32; 3]>;
 
 impl Found {
     fn coincide(&mut self, a: (u32, u32), b: (u32, u32)) {
@@ -201,64 +207,119 @@ impl Found {
     }
 
     fn finish(mut self, geometry: &[Geometry]) -> Contacts {
-        self.faces.sort_unstable();
+        self.faces.par_sort_unstable();
         self.faces.dedup();
-        let places = vec![Places::None; geometry.len()];
-        let mut contacts = Contacts { places, two_sided: self.two_sided.clone(), ..Contacts::default() };
-        let mut pairs: BTreeMap<[u32; 2], [u32; 3]> = BTreeMap::new();
-        let mut partners: Vec<Vec<u32>> = Vec::new();
-        let place = |contacts: &mut Contacts, partners: &mut Vec<Vec<u32>>, (object, primitive): (u32, u32)| -> u32 {
-            let next = contacts.faces.len() as u32;
-            let shape = &geometry[object as usize].shape;
-            let places = &mut contacts.places[object as usize];
-            let place = match (&mut *places, shape) {
-                (Places::One(place), _) => return *place,
-                (Places::Each(places), _) => &mut places[primitive as usize],
-                (Places::None, Shape::Mesh(mesh)) => {
-                    *places = Places::Each(vec![u32::MAX; mesh.triangles.len()]);
-                    let Places::Each(places) = places else { unreachable!("it was just made so") };
-                    &mut places[primitive as usize]
-                }
-                (Places::None, _) => {
-                    *places = Places::One(next);
-                    let Places::One(place) = places else { unreachable!("it was just made so") };
-                    place
-                }
-            };
-            if *place == u32::MAX || *place == next {
-                *place = next;
-                let face = Face::of(geometry, object, primitive);
-                contacts.faces.push(Touching { face, partners: Partners::default(), tangents: Vec::new() });
-                partners.push(Vec::new());
+        let tangents = self.tangents.iter().flat_map(|(ids, _)| *ids);
+        let mut ids: Vec<(u32, u32)> = self.faces.iter().flatten().copied().chain(tangents).collect();
+        ids.par_sort_unstable();
+        ids.dedup();
+        self.stand_ins.par_sort_unstable();
+        self.stand_ins.dedup();
+        let places = places(geometry, &ids, &self.stand_ins);
+        let at = |(object, primitive): (u32, u32)| places[object as usize].of(primitive).unwrap_or(u32::MAX);
+        let faces: Vec<Face> =
+            ids.par_iter().map(|&(object, primitive)| Face::of(geometry, object, primitive)).collect();
+
+        // The partners of all faces in one list, by face.
+        let pairs: Vec<[u32; 2]> = self.faces.par_iter().map(|pair| pair.map(at)).collect();
+        let mut ends = vec![0_usize; faces.len()];
+        pairs.iter().flatten().for_each(|&i| ends[i as usize] += 1);
+        let mut sum = 0;
+        ends.iter_mut().for_each(|end| (*end, sum) = (sum, sum + *end));
+        let mut partners = vec![0; 2 * pairs.len()];
+        for &[i, j] in &pairs {
+            for (i, j) in [(i, j), (j, i)] {
+                partners[ends[i as usize]] = j;
+                ends[i as usize] += 1;
             }
-            *place
-        };
-        for &[a, b] in &self.faces {
-            let [i, j] = [a, b].map(|face| place(&mut contacts, &mut partners, face));
-            partners[i as usize].push(j);
-            partners[j as usize].push(i);
-            let [a_face, b_face] = [i, j].map(|k| contacts.faces[k as usize].face);
-            let counts = pairs.entry([a.0, b.0]).or_default();
-            counts[0] += 1;
-            counts[1] += u32::from(a_face.faces_like(&b_face));
         }
-        for &([sphere, other], tangent) in &self.tangents {
-            let [i, j] = [sphere, other].map(|face| place(&mut contacts, &mut partners, face));
-            let number = contacts.tangents.len() as u32;
-            contacts.tangents.push(Tangent { sphere: i, other: j, ..tangent });
-            contacts.faces[i as usize].tangents.push(number);
-            contacts.faces[j as usize].tangents.push(number);
-            pairs.entry([sphere.0.min(other.0), sphere.0.max(other.0)]).or_default()[2] += 1;
-        }
-        for (place, partners) in partners.into_iter().enumerate() {
-            let index = Partners::new(&contacts.faces[place].face, partners, |i| contacts.faces[i as usize].face);
-            contacts.faces[place].partners = index;
-        }
-        contacts.pairs = pairs
-            .into_iter()
-            .map(|(objects, [faces, aligned, points])| Pair { objects, faces, aligned, points })
+        let mut touching: Vec<Touching> = (0..faces.len())
+            .into_par_iter()
+            .map(|i| {
+                let mine = &partners[if i == 0 { 0 } else { ends[i - 1] }..ends[i]];
+                let partners = Partners::new(&faces[i], mine.to_vec(), |i| faces[i as usize]);
+                Touching { face: faces[i], partners, tangents: Vec::new() }
+            })
             .collect();
-        contacts
+        let mut tangents = Vec::with_capacity(self.tangents.len());
+        for &([sphere, other], tangent) in &self.tangents {
+            let [sphere, other] = [sphere, other].map(at);
+            touching[sphere as usize].tangents.push(tangents.len() as u32);
+            touching[other as usize].tangents.push(tangents.len() as u32);
+            tangents.push(Tangent { sphere, other, ..tangent });
+        }
+        let pairs = self.counted(&pairs, &faces);
+        Contacts { places, faces: touching, tangents, pairs, two_sided: self.two_sided }
+    }
+
+    /// The pairs of objects, with what was found of each.
+    fn counted(&self, pairs: &[[u32; 2]], faces: &[Face]) -> Vec<Pair> {
+        let add = |mut a: Counts, b: Counts| {
+            for (objects, counts) in b {
+                let sums = a.entry(objects).or_default();
+                (0..3).for_each(|k| sums[k] += counts[k]);
+            }
+            a
+        };
+        let part = |pairs: &[[u32; 2]]| {
+            let mut counts = Counts::new();
+            for pair in pairs {
+                let [a, b] = pair.map(|i| &faces[i as usize]);
+                let counts = counts.entry([a.object, b.object]).or_default();
+                counts[0] += 1;
+                counts[1] += u32::from(a.faces_like(b));
+            }
+            counts
+        };
+        let mut counts = pairs.par_chunks(1 << 14).map(part).reduce(Counts::new, add);
+        for &(object, repeats) in &self.repeated {
+            let counts = counts.entry([object; 2]).or_default();
+            counts[0] += repeats as u32;
+            counts[1] += repeats as u32;
+        }
+        for ([sphere, other], _) in &self.tangents {
+            counts.entry([sphere.0.min(other.0), sphere.0.max(other.0)]).or_default()[2] += 1;
+        }
+        let pair = |(objects, [faces, aligned, points]): ([u32; 2], [u32; 3])| Pair { objects, faces, aligned, points };
+        counts.into_iter().map(pair).collect()
+    }
+}
+
+/// By object, the places of its faces in the sorted list `ids`; `stand_ins` are at the places of others.
+fn places(geometry: &[Geometry], ids: &[(u32, u32)], stand_ins: &[(u32, u32, u32)]) -> Vec<Places> {
+    let mut places = vec![Places::None; geometry.len()];
+    for (&(object, primitive), place) in ids.iter().zip(0..) {
+        let places = &mut places[object as usize];
+        match &geometry[object as usize].shape {
+            Shape::Mesh(mesh) => {
+                if let Places::None = places {
+                    *places = Places::Each(vec![u32::MAX; mesh.triangles.len()]);
+                }
+                if let Places::Each(each) = places {
+                    each[primitive as usize] = place;
+                }
+            }
+            Shape::Sphere(_) | Shape::Plane(_) => *places = Places::One(place),
+        }
+    }
+    for &(object, face, first) in stand_ins {
+        if let Places::Each(each) = &mut places[object as usize] {
+            each[face as usize] = each[first as usize];
+        }
+    }
+    places
+}
+
+impl Places {
+    /// The place of a face; none where it touches nothing.
+    #[inline]
+    fn of(&self, primitive: u32) -> Option<u32> {
+        let place = match self {
+            Self::None => return None,
+            Self::One(place) => *place,
+            Self::Each(places) => places[primitive as usize],
+        };
+        (place != u32::MAX).then_some(place)
     }
 }
 

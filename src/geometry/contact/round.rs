@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::face::{Face, Form};
 use super::{Found, Tangent, tolerance};
@@ -64,16 +65,21 @@ fn touch_mesh(geometry: &[Geometry], mesh: &TriMesh, object: u32, mut spheres: V
     // A little more than the tolerance makes of it.
     let reach = |sphere: &Sphere| sphere.radius + sphere.radius.max(sphere.centre.abs().max_element()) * 1e-5;
     let widest = spheres.iter().map(|(_, sphere)| reach(sphere)).fold(0.0, f32::max);
-    for i in (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i)) {
-        let [a, b, c] = mesh.corners(i);
+    let near = |i: u32| -> Vec<(u32, Sphere, u32)> {
+        let [a, b, c] = mesh.corners(i as usize);
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         let first = spheres.partition_point(|(_, sphere)| sphere.centre.x < lo.x - widest);
-        for (number, sphere) in spheres[first..].iter().take_while(|(_, s)| s.centre.x <= hi.x + widest) {
+        let along = spheres[first..].iter().take_while(|(_, s)| s.centre.x <= hi.x + widest);
+        let meets = |(_, sphere): &&(u32, Sphere)| {
             let reach = reach(sphere);
-            if lo.cmple(sphere.centre + reach).all() && hi.cmpge(sphere.centre - reach).all() {
-                touch_flat(geometry, (*number, 0), sphere, (object, i as u32), found);
-            }
-        }
+            lo.cmple(sphere.centre + reach).all() && hi.cmpge(sphere.centre - reach).all()
+        };
+        along.filter(meets).map(|&(number, sphere)| (number, sphere, i)).collect()
+    };
+    let usable = (0..mesh.triangles.len() as u32).into_par_iter().filter(|&i| mesh.is_usable(i as usize));
+    let met: Vec<_> = usable.flat_map_iter(near).collect();
+    for (number, sphere, i) in met {
+        touch_flat(geometry, (number, 0), &sphere, (object, i), found);
     }
 }
 

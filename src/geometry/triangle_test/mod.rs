@@ -1,9 +1,9 @@
-//! Ray/triangle tests side by side, each a type, so that what is timed or judged is the test and no branch.
+//! Ray/triangle tests to be compared. Each is a type, so that measurements contain no branch on the choice.
 //!
-//! The renderer's own is [`Watertight`]. The others are here to be measured against it, by speed (`cargo bench --bench
-//! triangle`, `vitrum price --formulas --of triangle`; on whole pictures `vitrum render --triangles` and `vitrum price
-//! --axes triangles,reciprocal`) and by what they lose. Of 2000 rays out of a closed ball with
-//! bumps (1520 triangles, about the origin), those that met nothing, with fused products:
+//! The renderer uses [`Watertight`]. The others are measured against it, by speed and by lost hits. Speed: `cargo bench --bench
+//! triangle`, `vitrum price --formulas --of triangle`; on whole pictures `vitrum render --triangles` and `vitrum price --axes
+//! triangles,reciprocal`. Lost hits: shares of 2000 rays that leave a closed ball with bumps (1520 triangles, about the
+//! origin) and hit nothing, with fused products:
 //!
 //! | test | at random | at corners | at edges |
 //! |---|---|---|---|
@@ -13,8 +13,8 @@
 //! | watertight | 0 | 0 | 0 |
 //! | certified | 0 | 0 | 0 |
 //!
-//! Random rays tell none of them from a tight one: a test that is to find leaks has to aim. (Far from the origin, at
-//! (148376, 1234, -223423), the plane-and-area test loses 2.8 % of the random ones, too.)
+//! Random rays reveal no leak of any test: a check for leaks must aim at corners and edges. (Far from the origin, at
+//! (148376, 1234, -223423), the plane-and-area test loses 2.8 % of the random rays, too.)
 
 mod certified;
 mod moller_trumbore;
@@ -31,10 +31,10 @@ pub use watertight::Watertight;
 use crate::math::{Real, Vector3};
 use crate::simd::{Division, Estimate, F32x8, Mask8, Reciprocal};
 
-/// Where the line of a ray meets a triangle. What is not `hit` holds nothing to rely on.
+/// The intersection of the line of a ray with a triangle. Lanes without a hit hold undefined values.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting<R: Real> {
-    /// Whether it does, on either face. The caller looks at the ray's interval.
+    /// True if the line hits the triangle, on either face. The caller tests the ray interval.
     pub hit: R::Mask,
     /// Ray parameter.
     pub t: R,
@@ -42,28 +42,28 @@ pub struct Meeting<R: Real> {
     pub u: R,
     /// Weight of the third corner.
     pub v: R,
-    /// Where the number type itself could not tell, and `f64` was asked.
+    /// Lanes that the number type could not decide and `f64` did.
     pub settled: R::Mask,
 }
 
 /// A ray/triangle test.
 pub trait TriangleTest: Copy + Send + Sync + 'static {
-    /// A ray made ready for it.
+    /// A ray prepared for the test.
     type Ray<R: Lanes>: Copy;
 
-    /// Makes a ray of any finite direction but zero ready, with quotients as `D` has them.
+    /// Prepares a ray, whose direction is finite and not zero, with quotients by `D`.
     fn prepare_by<R: Lanes, D: Reciprocal>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R>;
 
-    /// Where the line of the ray meets the triangle; lane by lane in eight lanes.
+    /// Intersects the line of the ray with the triangle, with quotients by `D`.
     fn meet_by<R: Lanes, D: Reciprocal>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R>;
 
-    /// [`TriangleTest::prepare_by`] true division.
+    /// [`TriangleTest::prepare_by`] with true division.
     #[inline(always)]
     fn prepare<R: Lanes>(origin: Vector3<R>, dir: Vector3<R>) -> Self::Ray<R> {
         Self::prepare_by::<R, Division>(origin, dir)
     }
 
-    /// [`TriangleTest::meet_by`] true division.
+    /// [`TriangleTest::meet_by`] with true division.
     #[inline(always)]
     fn meet<R: Lanes>(ray: &Self::Ray<R>, corners: &[Vector3<R>; 3]) -> Meeting<R> {
         Self::meet_by::<R, Division>(ray, corners)
@@ -86,22 +86,22 @@ crate::choice! {
     }
 }
 
-/// Numbers whose lanes can be taken out one by one, for the few that need more care than the rest.
+/// Numbers with access to single lanes, which `f64` settles one by one.
 pub trait Lanes: Real + Estimate {
-    /// How many there are.
+    /// Number of lanes.
     const COUNT: usize;
     /// Half the distance from 1 to the next larger number.
     const ROUNDOFF: f64;
     /// The smallest normal number.
     const TINY: f64;
 
-    /// The number in lane `i`, widened.
+    /// The number in lane `i`, as `f64`.
     fn lane(self, i: usize) -> f64;
-    /// Puts the nearest number to `x` into lane `i`.
+    /// Rounds `x` into lane `i`.
     fn set_lane(&mut self, i: usize, x: f64);
-    /// One bit a lane, lane 0 lowest.
+    /// The mask as bits, lane 0 lowest.
     fn bits(mask: Self::Mask) -> u8;
-    /// Lanes whose bit is set.
+    /// The mask with the lanes whose bit is set.
     fn mask(bits: u8) -> Self::Mask;
 }
 
@@ -174,20 +174,20 @@ impl Lanes for F32x8 {
     }
 }
 
-/// The vector product as textbooks have it: two products and their difference a component. [`Vector3::cross`] is
-/// exacter and dearer than what the published tests are made of.
+/// The textbook cross product: a difference of two products for each component. [`Vector3::cross`] is more accurate and more
+/// expensive than the one in the published tests.
 #[inline(always)]
 fn cross<R: Real>(a: Vector3<R>, b: Vector3<R>) -> Vector3<R> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
-/// Whether none of three numbers is below zero, or none above.
+/// Returns true if none of three numbers is negative, or none is positive.
 #[inline(always)]
 fn same_side<R: Real>([a, b, c]: [R; 3]) -> R::Mask {
     a.min_or(b.min_or(c)).ge(R::zero()) | a.max_or(b.max_or(c)).le(R::zero())
 }
 
-/// Puts what `f64` says of the lanes in `asked` into a meeting.
+/// Replaces the lanes in `asked` of a meeting by the decisions of `f64`.
 #[cold]
 #[inline(never)]
 fn settle<R: Lanes>(meeting: &mut Meeting<R>, asked: R::Mask, verdict: impl Fn(usize) -> Option<(f64, f64, f64)>) {
@@ -205,8 +205,8 @@ fn settle<R: Lanes>(meeting: &mut Meeting<R>, asked: R::Mask, verdict: impl Fn(u
     meeting.settled = R::mask(asked);
 }
 
-/// The watertight test for corners that are already sheared, with edge functions whose sign is always right: rounding
-/// is monotonic, so the rounded products order as the exact ones do, and where they are equal what they miss decides.
+/// The watertight test for sheared corners, with edge functions whose sign is always correct. Rounding is monotone, so that
+/// rounded products have the order of the exact ones. If they are equal, their rounding errors decide.
 fn meet_sheared([a, b, c]: [Vector3<f64>; 3], dz: f64) -> Option<(f64, f64, f64)> {
     let edge = |p: Vector3<f64>, q: Vector3<f64>| {
         let (first, second) = (p.x * q.y, p.y * q.x);

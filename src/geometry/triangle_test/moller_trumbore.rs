@@ -1,16 +1,16 @@
-//! The test that is in most ray tracers.
+//! The test of most ray tracers.
 
 use super::{Lanes, Meeting, TriangleTest, cross};
 use crate::math::Vector3;
 use crate::simd::Reciprocal;
 
-/// Möller and Trumbore's test ("Fast, minimum storage ray/triangle intersection", Journal of Graphics Tools 2(1), 1997):
-/// Cramer's rule for `o + t d = (1 - u - v) a + u b + v c`, on both faces, without the paper's epsilon, which changes
-/// no figure here (the triangles it refuses are none that anybody hits).
+/// The test of Möller and Trumbore ("Fast, minimum storage ray/triangle intersection", Journal of Graphics Tools 2(1), 1997).
+/// It solves `o + t d = (1 - u - v) a + u b + v c` by Cramer's rule, on both faces. The paper's epsilon is left out. It changes no
+/// figure here, since no ray hits the triangles that it rejects.
 ///
-/// Known failures: `u`, `v` and `u + v` of two triangles with a common edge are not computed from the same numbers,
-/// so that rays through the edge pass between them: a sixth of those aimed at one. `t` of a triangle seen
-/// nearly edge-on may lie anywhere (Embree, issue 387: 12 291, with every corner nearer than 600).
+/// Known failures: two triangles with a common edge compute `u`, `v` and `u + v` from different numbers. So rays through the
+/// edge pass between them: a sixth of those aimed at one. `t` of a triangle seen nearly edge-on may have any value (Embree,
+/// issue 387: 12 291, with every corner nearer than 600).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MollerTrumbore;
 

@@ -1,22 +1,22 @@
-//! The lecture notes' test.
+//! The test of the lecture notes.
 
 use super::{Lanes, Meeting, TriangleTest, cross, same_side};
 use crate::math::Vector3;
 use crate::simd::Reciprocal;
 
-/// The handwritten notes' test: where the ray meets the triangle's plane, then the areas of the three triangles that
-/// this point forms with the sides, seen along the dominant axis of the normal.
+/// The test of the handwritten notes: the intersection with the triangle's plane, then the areas of the three triangles that
+/// this point forms with the sides, projected along the dominant axis of the normal.
 ///
 /// Source: the notes on ray tracing ("Intersection of ray and triangle"): `n = (v2 - v1) x (v3 - v1)`, `D = -n . v`,
 /// `t = (-(n . o) - D) / (n . d)`, then "all three sub-triangles' cross product positive, or all negative: inside".
-/// Corrected: they print the area as `1/2 |a x b|`, which has no sign to compare; it is the component of `a x b` along
-/// the dropped axis here. An area of zero, a point on a side, counts as inside, or every edge would be a gap. They ask
-/// "what if `n . d` = 0!?": a ray in the triangle's plane meets nothing.
+/// Corrections: the notes give the area as `1/2 |a x b|`, which has no sign to compare. Here it is the component of `a x b`
+/// along the dropped axis. An area of zero (a point on a side) counts as inside, or every edge would be a gap. The notes ask
+/// "what if `n . d` = 0!?": a ray in the triangle's plane misses.
 ///
-/// Known failures: the point is rounded onto the plane anew for each triangle, so that two neighbours see it on
-/// different sides of their common edge: it leaks at edges and corners, most of all far from the origin, where the point
-/// has few digits left; and it meets twice as often as it should, for the same reason. `t` of a triangle seen nearly
-/// edge-on is a quotient of two roundings.
+/// Known failures: the point is rounded onto the plane separately for each triangle. Two neighbours may find it on different
+/// sides of their common edge. So the test leaks at edges and corners, most of all far from the origin, where the point has
+/// few digits left. For the same reason a ray may hit both neighbours. `t` of a triangle seen nearly edge-on is a quotient of
+/// two rounding errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlaneArea;
 

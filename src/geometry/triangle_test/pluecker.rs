@@ -1,18 +1,18 @@
-//! The test of Embree's robust mode.
+//! The test of Embree's robust mode, in Plücker coordinates.
 
 use super::{Lanes, Meeting, TriangleTest, cross};
 use crate::math::Vector3;
 use crate::simd::Reciprocal;
 
-/// The side of each edge on which the ray passes, as the product of their Plücker coordinates, in the form of Embree 4's
-/// robust mode (`kernels/geometry/triangle_intersector_pluecker.h`): corners relative to the ray's start, edge functions
-/// `d . ((p - q) x (p + q))`, all of one sign to within an ulp of their sum; `t` from the normal.
+/// The test by the side of each edge on which the ray passes: the product of their Plücker coordinates. Its form is that of
+/// Embree 4's robust mode (`kernels/geometry/triangle_intersector_pluecker.h`). Corners are relative to the ray's origin. The
+/// edge functions `d . ((p - q) x (p + q))` must have one sign, to within an ulp of their sum. `t` comes from the normal.
 ///
 /// Two triangles that share an edge get exactly opposite values for it, so that no ray passes between them there.
 ///
-/// Known failures: at a corner more than two triangles meet, and their edges' roundings need not agree; the tolerance of
-/// an ulp covers most of that. It also lets a ray meet a triangle that it passes by. `t` of a triangle seen nearly edge-on
-/// is a quotient of two roundings.
+/// Known failures: more than two triangles meet at a corner, and the roundings of their edges may disagree. The tolerance of
+/// an ulp covers most of these rays. It also lets a ray hit a triangle beside which it passes. `t` of a triangle seen nearly
+/// edge-on is a quotient of two rounding errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pluecker;
 

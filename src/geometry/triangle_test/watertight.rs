@@ -1,4 +1,4 @@
-//! The renderer's own test.
+//! The test of the renderer.
 
 use super::{Lanes, Meeting, TriangleTest, corners_of, meet_sheared, settle};
 use crate::geometry::slab::SlabRay;
@@ -6,16 +6,16 @@ use crate::geometry::triangle::{Axis, ShearedRay};
 use crate::math::{LaneMask, Real, Vector3};
 use crate::simd::Reciprocal;
 
-/// The watertight test of Woop, Benthin & Wald ("Watertight ray/triangle intersection", JCGT 2(1), 2013) as
-/// [`crate::geometry::intersect_triangle`] and the native hierarchy have it: with `f64` where an edge function is zero
-/// or may have lost digits to underflow, and `t` limited to the ray's way through the triangle's box.
+/// The watertight test of Woop, Benthin & Wald ("Watertight ray/triangle intersection", JCGT 2(1), 2013), as in
+/// [`crate::geometry::intersect_triangle`] and in the native hierarchy. `f64` decides if an edge function is zero or may have
+/// lost digits to underflow. `t` is clamped to the interval in which the ray is inside the triangle's box.
 ///
-/// Every ray through a shared edge or corner of a closed mesh meets a triangle. Known failures: none of that kind; the
-/// sheared corners are rounded, so that a ray passes by up to 4 u of its length beside the exact triangle.
+/// Every ray through a shared edge or corner of a closed mesh hits a triangle. Known failures: none of that kind. The sheared
+/// corners are rounded, so that the hit may lie up to 4 u of the ray's length beside the exact triangle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watertight;
 
-/// A ray made ready for [`Watertight`].
+/// A ray prepared for [`Watertight`].
 #[derive(Clone, Copy, Debug)]
 pub struct WatertightRay<R: Real> {
     sheared: ShearedRay<R>,
@@ -46,7 +46,7 @@ impl TriangleTest for Watertight {
         let doubtful = solved.doubtful & hit;
         if doubtful.any() {
             settle(&mut meeting, doubtful, |i| meet_sheared(corners_of(&edges.corners, i), ray.sheared.dz.lane(i)));
-            // The share that is left for the third corner, as rounded.
+            // `v` is at most what `u` leaves, as rounded.
             meeting.v = meeting.v.min_or(R::one() - meeting.u);
         }
         let (t, crossed) = ray.slab.limit_to_triangle(corners, meeting.t);

@@ -15,10 +15,7 @@ use crate::geometry::GeometryMask;
 use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{Boundary, FresnelModel, transmittance};
-use crate::scene::{Falloff, Interface, Light, LightKind, ShadowRule, Spread};
-
-/// Largest number of transmissive surfaces on the way of light; more count as an opaque surface.
-const MARCHED_AT_MOST: usize = 256;
+use crate::scene::{Falloff, Interface, Light, LightKind, MOST_PASSES, ShadowRule, Spread};
 
 /// Light that arrives at a point without occlusion.
 #[derive(Clone, Copy, Debug)]
@@ -150,7 +147,7 @@ fn march(
     };
     let marched = Ray64 { admits: GeometryMask::TRANSMISSIVE, t_max: end_of(ray), ..*ray };
     let crossings = surface::crossings(scene, &prepared.accel, &marched);
-    if crossings.len() > MARCHED_AT_MOST {
+    if crossings.len() > MOST_PASSES as usize {
         return (DVec3::ZERO, UnmatchedExits::default());
     }
     let mut reached = 0.0;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::surface;
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::{GeometryMask, Shape};
-use crate::scene::{Bodies, Medium, Scene};
+use crate::scene::{Bodies, MOST_PASSES, Medium, Scene};
 
 /// Bodies that a ray has entered and not left, by rising rank; equal ranks are in the order of entry. Body 0, which
 /// surrounds everything, is never on the stack.
@@ -129,7 +129,7 @@ pub(super) fn around_the_eye(scene: &Scene, accel: &Reference, filled: Filled) -
     ray.admits = GeometryMask::TRANSMISSIVE;
     let mut around = Vec::new();
     let mut entered: Vec<u32> = Vec::new();
-    for crossing in surface::crossings(scene, accel, &ray).into_iter().take(256) {
+    for crossing in surface::crossings(scene, accel, &ray).into_iter().take(MOST_PASSES as usize) {
         let Some(body) = filled.bodies.of_object(crossing.geometry) else { continue };
         if matches!(scene.geometry[crossing.geometry as usize].shape, Shape::Plane(_)) {
             continue;

@@ -15,10 +15,7 @@ use crate::render::budget;
 use crate::render::place::{ContactPoint, Layer, Through, governing};
 use crate::render::record::{Cut, Event, Met, Node, Recorder, Share, Source};
 use crate::render::{FilmRay, Limit, RayKind};
-use crate::scene::Material;
-
-/// Largest number of consecutive surfaces that a ray may pass.
-const PASSED_AT_MOST: u32 = 256;
+use crate::scene::{MOST_PASSES, Material};
 
 /// Ray that waits to be traced.
 #[derive(Clone, Debug)]
@@ -232,7 +229,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
     /// Passes straight through a surface that is no boundary.
     fn pass(&mut self, ray: &Pending, surface: &Surface, stack: MediumStack, through: Option<Through>) {
         let kind = RayKind::Transmitted;
-        if ray.passed >= PASSED_AT_MOST {
+        if ray.passed >= MOST_PASSES {
             self.tally.end(Limit::Passes, ray.weight);
             let cut = Cut { kind, weight: ray.weight, too_deep: false, too_light: false };
             self.note(ray.node, |event| event.cut.push(cut));

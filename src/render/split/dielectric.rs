@@ -8,16 +8,14 @@ use super::super::outcome::RayKind;
 use super::super::queue::{Rgb8, Spawn8};
 use super::super::shading::Shading;
 use super::super::surface::Surface8;
-use super::super::worker::MOST_PASSES;
 use super::disperse::disperse;
 use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
-use crate::geometry::GeometryMask;
 use crate::math::Real;
 use crate::optics::{
     Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
 };
-use crate::scene::{FresnelRule, Interface, Rgb};
+use crate::scene::{FresnelRule, Interface, MOST_PASSES, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
 /// Picks the stage for a refraction formula. The variant for touching surfaces also handles dispersion, by looking up
@@ -114,19 +112,7 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
     let extra = O::leaving(carried, dir);
-    let new = Spawn8 {
-        origin: surface.below(),
-        dir,
-        t_max: F32x8::INFINITY,
-        admits: GeometryMask::ALL,
-        weight: *weight,
-        pixel: &surface.pixel,
-        stack: beyond,
-        lead: surface.lead(dir),
-        passes: &surface.onward,
-        place: surface.place,
-        extra: extra.as_ref(),
-    };
+    let new = Spawn8 { stack: beyond, extra: extra.as_ref(), ..surface.transmitted(dir, *weight) };
     shading.spawn(lanes & !lost, &new, RayKind::Transmitted, depth);
 }
 
@@ -200,19 +186,8 @@ fn pass<const TOUCHING: bool>(
         }
     }
     let extra = shading.extra(surface);
-    let new = Spawn8 {
-        origin: surface.below(),
-        dir: surface.incident,
-        t_max: F32x8::INFINITY,
-        admits: GeometryMask::ALL,
-        weight: surface.weight,
-        pixel: &surface.pixel,
-        stack: beyond,
-        lead: surface.lead(surface.incident),
-        passes: &counts,
-        place: surface.place,
-        extra: extra.as_ref(),
-    };
+    let ahead = surface.transmitted(surface.incident, surface.weight);
+    let new = Spawn8 { stack: beyond, passes: &counts, extra: extra.as_ref(), ..ahead };
     shading.queue(RayKind::Transmitted, depth).push8(lanes & !spent, &new);
 }
 

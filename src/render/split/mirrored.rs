@@ -8,10 +8,8 @@ use super::super::queue::{Rgb8, Spawn8};
 use super::super::shading::Shading;
 use super::super::sky::{Constant, Gradient, LatLong, Mapped, Sky};
 use super::super::surface::Surface8;
-use crate::geometry::GeometryMask;
 use crate::scene::{Environment, Rgb, Scene};
-use crate::simd::set_lanes;
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{Vec3x8, set_lanes};
 
 /// Function that handles light of the given weight that leaves eight surfaces in a direction of about unit length. The
 /// extras, if given, replace those of the arriving rays. The last argument is the depth of the arriving rays.
@@ -68,19 +66,7 @@ fn traced(
     depth: usize,
 ) {
     let dir = dir.normalized();
-    let new = Spawn8 {
-        origin: surface.above(),
-        dir,
-        t_max: F32x8::INFINITY,
-        admits: GeometryMask::ALL,
-        weight,
-        pixel: &surface.pixel,
-        stack: &surface.stack,
-        lead: surface.lead(dir),
-        passes: &surface.returning,
-        place: surface.place,
-        extra,
-    };
+    let new = Spawn8 { extra, ..surface.reflected(dir, weight) };
     shading.spawn(lanes, &new, RayKind::Reflected, depth);
 }
 

@@ -15,7 +15,6 @@ use super::shading::{Shading, disperses};
 use super::sky;
 use super::surface::Surface8;
 use crate::effects::Pipeline;
-use crate::geometry::GeometryMask;
 use crate::math::Vector3;
 use crate::optics::Boundary;
 use crate::scene::{Environment, Scene};
@@ -98,19 +97,7 @@ fn straight_on<O: Optics>(
     depth: usize,
 ) {
     let extra = O::leaving(carried, surface.incident);
-    let new = Spawn8 {
-        origin: surface.below(),
-        dir: surface.incident,
-        t_max: F32x8::INFINITY,
-        admits: GeometryMask::ALL,
-        weight,
-        pixel: &surface.pixel,
-        stack: &surface.stack,
-        lead: surface.lead(surface.incident),
-        passes: &surface.onward,
-        place: surface.place,
-        extra: extra.as_ref(),
-    };
+    let new = Spawn8 { extra: extra.as_ref(), ..surface.transmitted(surface.incident, weight) };
     shading.spawn(lanes, &new, RayKind::Transmitted, depth);
 }
 

@@ -1,5 +1,6 @@
 //! Check of a picture against `f64` at a sample of its pixels.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -7,7 +8,7 @@ use crate::Result;
 use crate::image::Film;
 use crate::render::Observer;
 use crate::render::reference::{Prepared, Tally};
-use crate::scene::Scene;
+use crate::scene::{Scene, Settings};
 use crate::study::condition::Condition;
 use crate::study::errors::off;
 use crate::study::reference;
@@ -25,8 +26,8 @@ pub struct Check {
     pub reference: String,
     /// Bound on the error of a channel.
     pub bound: f64,
-    /// Number of pixels within the bound at which the reference itself may be off by more. Causes are its depth limit,
-    /// its cut-off, and the rounding of the picture's `f32`.
+    /// Number of pixels within the bound at which the reference itself may be off by more. Causes are the light that its
+    /// depth limit and cut-off took, as estimated under wider limits, and the rounding of the picture's `f32`.
     pub undecided: usize,
     /// Largest difference of a pixel that is not known to be ill-conditioned.
     pub worst: f64,
@@ -56,13 +57,40 @@ pub struct Beyond {
 /// Largest relative error of a value rounded to `f32`.
 const HALF_AN_ULP: f64 = f32::EPSILON as f64 / 2.0;
 
+/// Share of a pixel's weight above which its loss leaves the pixel unknown.
+const MOST: f64 = 0.5;
+
 /// Pixel of the sample.
 struct Asked {
     pixel: Beyond,
-    /// Largest channel of the reference.
-    bright: f64,
-    /// Largest weight that the reference's limits removed from a channel.
-    cut: f64,
+    /// Radiance of the reference.
+    radiance: DVec3,
+    /// Weight that the reference's limits took.
+    truncated: DVec3,
+    /// Light that the reference may lack for that weight.
+    lacks: f64,
+}
+
+impl Asked {
+    /// Returns true if the picture keeps the bound here as far as the reference tells, which may be off by more.
+    fn is_in_doubt(&self, bound: f64) -> bool {
+        self.pixel.off <= bound && self.radiance.abs().max_element() * HALF_AN_ULP + self.lacks > bound
+    }
+
+    /// Returns the light that the reference still lacks under wider limits. The weight that ends there, too, is taken to see
+    /// as much light as the weight that they freed (as in `render/shortfall.rs`). `worth` is the most that a weight of 1 sees.
+    fn lacks_under(&self, wide: &Tally, worth: f64) -> f64 {
+        let weight = |truncated: DVec3| truncated.abs().max_element();
+        let (ended, freed) = (weight(wide.truncated), weight(self.truncated) - weight(wide.truncated));
+        if ended > MOST {
+            return ended * worth;
+        }
+        if freed <= 0.0 {
+            return 0.0;
+        }
+        let gained = (wide.radiance - self.radiance).abs().max_element();
+        (gained * (ended / freed).min(1.0)).min(ended * worth)
+    }
 }
 
 impl Check {
@@ -100,20 +128,35 @@ pub fn check(
     let prepared = Prepared::new(&judge, exact.fresnel);
     let condition = Condition::new(&judge, prepared, bound, observer);
     let pixels = sample(film.width, film.height);
+    let heeded = || -> Result<()> {
+        let stopped = observer.stop.load(std::sync::atomic::Ordering::Relaxed);
+        if stopped { Err(crate::Error::Interrupted) } else { Ok(()) }
+    };
+    let excuse = |x, y, off| if examined && off > bound { condition.moves_at(x, y) } else { None };
     let ask = |&(x, y): &(u32, u32)| {
-        if observer.stop.load(std::sync::atomic::Ordering::Relaxed) {
-            return Err(crate::Error::Interrupted);
-        }
+        heeded()?;
         let Tally { radiance, truncated, .. } = condition.exact(x, y);
         let off = off(film.at(x, y), radiance.as_vec3().to_array());
-        let moves_at_ulps = if examined && off > bound { condition.moves_at(x, y) } else { None };
-        let [bright, cut] = [radiance, truncated].map(|channels| channels.abs().max_element());
-        Ok(Asked { pixel: Beyond { x, y, off, moves_at_ulps }, bright, cut })
+        Ok(Asked { pixel: Beyond { x, y, off, moves_at_ulps: excuse(x, y, off) }, radiance, truncated, lacks: 0.0 })
     };
-    let found: Vec<Asked> = pixels.par_iter().map(ask).collect::<Result<_>>()?;
+    let mut found: Vec<Asked> = pixels.par_iter().map(ask).collect::<Result<_>>()?;
     let worth = usual_brightness(&found);
-    let in_doubt = |p: &&Asked| p.pixel.off <= bound && p.bright * HALF_AN_ULP + p.cut * worth > bound;
-    let undecided = found.iter().filter(in_doubt).count();
+    found.iter_mut().for_each(|asked| asked.lacks = asked.truncated.abs().max_element() * worth);
+    if found.iter().any(|asked| asked.is_in_doubt(bound)) {
+        // The weight that ended bounds the light by far; wider limits tell most of it.
+        let wide = Scene { settings: widened(&judge.settings), ..judge.clone() };
+        let wide = Condition::new(&wide, Prepared::new(&wide, exact.fresnel), bound, observer);
+        found.par_iter_mut().filter(|asked| asked.is_in_doubt(bound)).try_for_each(|asked| -> Result<()> {
+            heeded()?;
+            let Beyond { x, y, .. } = asked.pixel;
+            let seen = wide.exact(x, y);
+            asked.lacks = asked.lacks_under(&seen, worth);
+            let off = off(film.at(x, y), seen.radiance.as_vec3().to_array());
+            asked.pixel = Beyond { x, y, off, moves_at_ulps: excuse(x, y, off) };
+            Ok(())
+        })?;
+    }
+    let undecided = found.iter().filter(|asked| asked.is_in_doubt(bound)).count();
     let found: Vec<Beyond> = found.into_iter().map(|asked| asked.pixel).collect();
     let excused = |p: &Beyond| p.moves_at_ulps.is_some();
     let worst = found.iter().filter(|p| !excused(p)).map(|p| p.off).fold(0.0, f64::max);
@@ -126,9 +169,14 @@ pub fn check(
 
 /// Returns the brightness that 19 of 20 pixels do not exceed.
 fn usual_brightness(found: &[Asked]) -> f64 {
-    let mut bright: Vec<f64> = found.iter().map(|asked| asked.bright).collect();
+    let mut bright: Vec<f64> = found.iter().map(|asked| asked.radiance.abs().max_element()).collect();
     bright.sort_unstable_by(f64::total_cmp);
     bright.get(bright.len() * 19 / 20).copied().unwrap_or(0.0)
+}
+
+/// Twice the depth and a quarter of the cut-off.
+fn widened(settings: &Settings) -> Settings {
+    Settings { max_depth: settings.max_depth.saturating_mul(2), cutoff: settings.cutoff / 4.0, ..settings.clone() }
 }
 
 fn sample(width: u32, height: u32) -> Vec<(u32, u32)> {

@@ -4,9 +4,9 @@ use super::evaluate::{Answer, Case, Formula};
 use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{FUSED, LaneMask, Real, Vector3, ulp};
+use crate::measure::sample::Rng;
 use crate::optics::{Boundary, FresnelFormula, FresnelModel, FresnelVisitor, oracle, polarised, polarised_as_printed};
 use crate::simd::{F32x8, Vec3x8};
-use crate::trial::verify::sample::Rng;
 
 #[derive(Clone, Copy)]
 struct Reflectance<F>(F);

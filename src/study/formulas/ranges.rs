@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::trial::verify::sample::Rng;
+use crate::measure::sample::Rng;
 
 /// One ulp of 1 in `f32`.
 pub(super) const ULP: f64 = f32::EPSILON as f64;

@@ -5,8 +5,8 @@ use std::hint::black_box;
 use super::timing::{Time, time};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{Real, ulp};
+use crate::measure::sample::Rng;
 use crate::simd::{Estimate, F32x8, Reciprocal, ReciprocalModel, ReciprocalVisitor};
-use crate::trial::verify::sample::Rng;
 
 /// Ranges, with the exponents of two between which numbers are drawn.
 const RANGES: [(&str, f64, f64); 2] = [("1 to 2", 0.0, 1.0), ("2^-100 to 2^100", -100.0, 100.0)];

@@ -4,9 +4,9 @@ use super::evaluate::{Answer, Case, Formula};
 use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::math::{LaneMask, Real, Vector3};
+use crate::measure::sample::Rng;
 use crate::optics::{Boundary, PlanarReflection, oracle, reflect};
 use crate::simd::{F32x8, Vec3x8};
-use crate::trial::verify::sample::Rng;
 
 #[derive(Clone, Copy)]
 struct Vector;

@@ -5,9 +5,9 @@ use super::ranges::{Angles, Range, ULP};
 use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::choice::Choice as _;
 use crate::math::{Real, Vector3};
+use crate::measure::sample::Rng;
 use crate::optics::{Boundary, Oliveira, RefractionFormula, RefractionModel, RefractionVisitor, oracle};
 use crate::simd::{F32x8, Vec3x8};
-use crate::trial::verify::sample::Rng;
 
 #[derive(Clone, Copy)]
 struct Refract<F>(F);

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::trial::timing::Figure;
+use crate::measure::Percentiles;
 
 /// What one evaluation takes, in nanoseconds: the median of the rounds, which take turns. Loading the arguments and
 /// storing the result is part of it.
@@ -44,7 +44,7 @@ pub(super) fn time(runs: [&mut dyn FnMut() -> usize; 3]) -> Time {
             }
             seconds * 1e9 / evaluations as f64
         };
-        Figure::of((0..ROUNDS).map(round).collect()).median
+        Percentiles::of((0..ROUNDS).map(round).collect()).median
     });
     Time { eight, one, double }
 }

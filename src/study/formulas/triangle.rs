@@ -9,8 +9,8 @@ use super::{Errors, Kind, Noted, Plan, Tally};
 use crate::geometry::TriMesh;
 use crate::geometry::triangle_test::{Lanes, TriangleModel, TriangleTest, TriangleVisitor, Watertight};
 use crate::math::{Vector3, ulp};
+use crate::measure::sample::Rng;
 use crate::simd::{F32x8, Vec3x8};
-use crate::trial::verify::sample::Rng;
 
 /// What rays are aimed at.
 #[derive(Clone, Copy, PartialEq)]

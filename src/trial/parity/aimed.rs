@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::{Geometry, Plane, Ray, Shape, Sphere, TriMesh};
-use crate::trial::random::Pcg32;
+use crate::measure::random::Pcg32;
 use crate::trial::rays;
 
 /// Edges and corners of a scene to aim at. A sphere's edge is its outline, and its corners are the six ends of its

@@ -6,12 +6,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use glam::Vec3;
 
 use super::meshes::opaque;
-use super::sample::Rng;
 use super::tally::Worst;
 use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::{Geometry, GeometryMask, Ray, Shape, Sphere, TriMesh};
+use crate::measure::sample::Rng;
 
 pub(super) const BATCHES: usize = 20;
 

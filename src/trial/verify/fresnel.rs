@@ -1,8 +1,8 @@
 //! Unpolarised reflectance in eight lanes, as the renderer computes it, against the oracle.
 
-use super::sample::Rng;
 use super::{Plan, Tally};
 use crate::math::FUSED;
+use crate::measure::sample::Rng;
 use crate::optics::{Boundary, Exact, FresnelFormula, oracle};
 use crate::simd::F32x8;
 

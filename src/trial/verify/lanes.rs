@@ -4,11 +4,11 @@
 use glam::{DVec3, Vec3};
 
 use super::meshes::{Closed, opaque, unit};
-use super::sample::Rng;
 use super::{Candidate, NamedAccel, Plan, Tally};
 use crate::Result;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, Sphere};
+use crate::measure::sample::Rng;
 use crate::simd::Mask8;
 use crate::trial::shown;
 

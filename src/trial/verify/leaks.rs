@@ -4,11 +4,11 @@
 use glam::{DVec3, Vec3};
 
 use super::meshes::{Closed, Pair, exact_edge_points, opaque};
-use super::sample::{Rng, exact_start};
 use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::Ray;
+use crate::measure::sample::{Rng, exact_start};
 use crate::trial::shown;
 
 pub(super) const MESHES: [Closed; 5] = [Closed::Ball, Closed::Bumpy, Closed::Crumpled, Closed::Spindle, Closed::Cube];

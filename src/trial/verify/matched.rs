@@ -1,9 +1,9 @@
 //! Exact properties of the optics: equal indices, division of light, and one lane against eight.
 
 use super::fresnel::{INDEX_PAIRS, cosine, critical_cosine};
-use super::sample::Rng;
 use super::{Plan, Tally};
 use crate::math::{Real, Vector3};
+use crate::measure::sample::Rng;
 use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, Schlick, reflect};
 use crate::simd::{F32x8, Vec3x8};
 

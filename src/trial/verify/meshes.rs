@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::sample::Rng;
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 use crate::math::ulp;
+use crate::measure::sample::Rng;
 
 /// Closed mesh of which every point is visible from near its middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,7 +15,6 @@ mod matched;
 mod meshes;
 mod reflection;
 mod refraction;
-pub(crate) mod sample;
 mod scene;
 mod self_hits;
 mod tally;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::sample::Rng;
 use super::{Plan, Tally};
+use crate::measure::sample::Rng;
 use crate::optics::{oracle, reflect};
 
 /// Largest error in radians.

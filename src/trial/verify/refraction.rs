@@ -3,9 +3,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::sample::Rng;
 use super::{Plan, Tally};
 use crate::math::FUSED;
+use crate::measure::sample::Rng;
 use crate::optics::{Boundary, oracle};
 
 const ULP: f64 = f32::EPSILON as f64;

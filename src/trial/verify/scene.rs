@@ -3,13 +3,13 @@
 
 use glam::{DVec3, Vec3};
 
-use super::sample::Rng;
 use super::self_hits::{Leaving, leaving};
 use super::{Candidate, Finding, Group, NamedAccel, Place, Plan, Tally, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
 use crate::geometry::{Aabb, Hit, Ray, Shape};
+use crate::measure::sample::Rng;
 use crate::render::Observer;
 use crate::scene::Scene;
 use crate::trial::parity::fault_name;

@@ -4,12 +4,12 @@
 use glam::{DVec3, Vec3};
 
 use super::meshes::{Closed, Pair, of_triangles, opaque};
-use super::sample::Rng;
 use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, Spot};
 use crate::math::Vector3;
+use crate::measure::sample::Rng;
 use crate::optics::{Boundary, reflect};
 use crate::trial::shown;
 

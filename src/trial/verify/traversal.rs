@@ -5,12 +5,12 @@ use std::collections::HashSet;
 use glam::{DVec3, Vec3};
 
 use super::meshes::{Closed, of_triangles, opaque, unit};
-use super::sample::Rng;
 use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Reference, Verdict};
 use crate::geometry::{Geometry, Hit, Ray, Shape, TriMesh, intersect_triangle};
+use crate::measure::sample::Rng;
 use crate::trial::shown;
 
 /// Number of scenes of odd meshes.

@@ -6,10 +6,10 @@ use std::fmt;
 
 use glam::{DVec3, Vec3};
 
-use super::sample::Rng;
 use crate::accel::reference::{Budget, Hit64, Ray64, Reference};
 use crate::geometry::topology::{Edges, place};
 use crate::geometry::{Geometry, GeometryMask, Shape};
+use crate::measure::sample::Rng;
 use crate::scene::Scene;
 
 /// Ratio of length to height from which a triangle is a sliver. Rounding may then move a hit by hundreds of spacings.

@@ -1,4 +1,5 @@
-//! From the binary tree to nodes of eight: each takes in descendants as suits the surface area heuristic best.
+//! Turns the binary tree into the eight-wide hierarchy: each node takes those descendants as children that cost least by
+//! the surface area heuristic.
 
 use rayon::prelude::*;
 
@@ -12,27 +13,27 @@ use crate::accel::BuildQuality;
 use crate::simd::room_for;
 use crate::system::memory;
 
-/// Bytes that the binary tree over `prims` primitives takes, with their references: those of trees whose leaves are at
-/// least three eighths full. Leaves of meshes are half full or better.
-pub(crate) fn bytes_first(prims: usize, quality: BuildQuality) -> u64 {
+/// Memory for building over `prims` primitives, in bytes: references and binary tree. It assumes leaves that are at least
+/// three eighths full. Leaves of meshes are half full or better.
+pub(crate) fn build_bytes(prims: usize, quality: BuildQuality) -> u64 {
     let leaves = prims / 3 + 1;
-    // An inner node for each leaf, with the header of its block.
+    // One inner node for each leaf, with the header of its memory block.
     let tree = leaves * (2 * size_of::<Node2>() + 16);
     let more = match quality {
-        // The order of the curve, and the references once more in that order.
+        // The order on the curve, and a copy of the references in that order.
         BuildQuality::Fast => prims * (8 + size_of::<PrimRef>()),
         BuildQuality::Default => 0,
-        // Nodes in a list that grows by doubling, their order, and the tree once more.
+        // Nodes in a list that grows by doubling, their order, and a copy of the tree.
         BuildQuality::High => 2 * leaves * (2 * reinsert::NODE_BYTES + 8) + tree,
     };
     (prims * size_of::<PrimRef>() + tree + more) as u64
 }
 
-/// Builds the hierarchy over `prims`; `leaf` makes a leaf of at most eight of them. `named` is what a message calls the
-/// hierarchy, and its cure.
+/// Builds the hierarchy over `prims`. `leaf` makes a leaf of at most eight references. `named` has the name of the hierarchy
+/// in error messages, and the cure that they give.
 ///
 /// # Errors
-/// [`Error::Limit`](crate::Error::Limit), where there is no memory for nodes and leaves.
+/// [`Error::Limit`](crate::Error::Limit) if there is not enough memory for nodes and leaves.
 pub(crate) fn bvh8<L: Leaf + Send>(
     prims: &mut [PrimRef],
     quality: BuildQuality,
@@ -48,38 +49,39 @@ pub(crate) fn bvh8<L: Leaf + Send>(
         BuildQuality::High => reinsert::improved(sah::build(prims)),
     };
     let mut flat = Flat { named, ..Flat::default() };
-    let root = flat.place(&tree, 0)?;
+    let root = flat.push(&tree, 0)?;
     let leaf_bytes = flat.leaves.len() * (size_of::<L>() + size_of::<f32>());
     memory::need(named.0, (flat.nodes.len() * size_of::<Node8>() + leaf_bytes) as u64, named.1)?;
     let mut nodes = room_for(flat.nodes.len());
     nodes.append(&mut flat.nodes);
     let mut leaves = room_for(flat.leaves.len());
-    let mut covers = Vec::new();
+    let mut areas = Vec::new();
     let of = |&(first, count): &(u32, u32)| {
         let leaf = leaf(&prims[first as usize..][..count as usize]);
-        let cover = leaf.shadow_area();
-        (leaf, cover)
+        let area = leaf.shadow_area();
+        (leaf, area)
     };
-    // Giving back half a million small boxes takes a while, too.
-    rayon::join(|| flat.leaves.par_iter().map(of).unzip_into_vecs(&mut leaves, &mut covers), || drop(tree));
-    child_order::put_last(&mut nodes, &covers);
+    // The binary tree is freed meanwhile: half a million small blocks take a while.
+    rayon::join(|| flat.leaves.par_iter().map(of).unzip_into_vecs(&mut leaves, &mut areas), || drop(tree));
+    child_order::sort(&mut nodes, &areas);
     nodes.par_iter_mut().for_each(Node8::sort_octants);
     Ok(Bvh8 { nodes, leaves, root, depth: flat.depth })
 }
 
+/// The eight-wide tree in lists.
 #[derive(Default)]
 struct Flat<'a> {
     /// As in [`bvh8`].
     named: (&'a str, &'static str),
     nodes: Vec<Node8>,
-    /// First primitive and how many.
+    /// For each leaf, index of the first primitive and number of primitives.
     leaves: Vec<(u32, u32)>,
     depth: usize,
 }
 
 impl Flat<'_> {
-    /// Places a subtree whose root is at `depth`; depth first, so that near relatives are near in memory.
-    fn place(&mut self, node: &Node2, depth: usize) -> Result<NodeRef> {
+    /// Appends a subtree whose root is at level `depth`. Depth first, so that related nodes are near in memory.
+    fn push(&mut self, node: &Node2, depth: usize) -> Result<NodeRef> {
         let halves = match &node.subtree {
             Subtree::Leaf { first, count } => {
                 self.depth = self.depth.max(depth);
@@ -93,7 +95,7 @@ impl Flat<'_> {
         let here = self.nodes.len();
         memory::push(&mut self.nodes, Node8::EMPTY, self.named.0, self.named.1)?;
         for (i, child) in children.iter().enumerate() {
-            let to = self.place(child, depth + 1)?;
+            let to = self.push(child, depth + 1)?;
             let node = &mut self.nodes[here];
             node.children[i] = to;
             node.boxes.set_lane(i, child.lo, child.hi);

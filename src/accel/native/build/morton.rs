@@ -1,4 +1,5 @@
-//! The quick build: primitives in the order of a Morton curve (Lauterbach et al. 2009), divided where its bits change.
+//! The fast build: primitives in the order of a Morton curve (Lauterbach et al. 2009), split where the bits of the curve
+//! change.
 
 use rayon::prelude::*;
 
@@ -7,21 +8,21 @@ use super::primitive::{Bounds, PrimRef};
 use super::sah::{self, PARALLEL};
 use super::split::Extent;
 
-/// Sets of at most so many go by the surface area heuristic, which fills leaves better.
+/// Sets of at most this many primitives are split by the surface area heuristic, which fills leaves better.
 const SMALL: usize = 32;
 
-/// Bits of the curve an axis.
+/// Bits of the curve per axis.
 const BITS: u32 = 10;
 
-/// Primitives whose boxes have more than this share of the surface of the whole box are kept out of the curve: wherever
-/// they were sorted in, they would stretch every box above them.
+/// Primitives whose box has more than this share of the surface area of the whole box are kept out of the curve. Anywhere
+/// on the curve they would enlarge every box above them.
 const LARGE: f32 = 1.0 / 512.0;
 
-/// Sorts `prims`, which are not empty, into a tree, whose leaves name places in the slice as it is left.
+/// Builds a tree over `prims`, which are not empty. `prims` is reordered; leaves refer to indices in the new order.
 pub(super) fn build(prims: &mut [PrimRef]) -> Node2 {
     let extent = Extent::of(prims);
     let (grid, large) = (extent.grid(1 << BITS), extent.bounds.half_area() * LARGE);
-    // Large ones last, else the curve, and who comes first in the slice decides between equals.
+    // Large primitives last, then the order of the curve, then the order of the slice.
     let key = |(i, p): (usize, &PrimRef)| {
         let is_large = u64::from(Bounds(p.0).half_area() > large) << (3 * BITS);
         (is_large | code(grid.cell(p))) << 32 | i as u64
@@ -42,7 +43,7 @@ pub(super) fn build(prims: &mut [PrimRef]) -> Node2 {
     }
 }
 
-/// The bits of three numbers below 2^[`BITS`], taking turns.
+/// Interleaves the bits of three numbers below 2^[`BITS`].
 fn code(cell: [i32; 3]) -> u64 {
     let spread = |x: i32| {
         let x = (x as u64 | (x as u64) << 16) & 0x0300_00ff;
@@ -53,8 +54,8 @@ fn code(cell: [i32; 3]) -> u64 {
     spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
 }
 
-/// A subtree of primitives in the order of the curve: at most 30 levels for its bits, and one for each halving of what
-/// lies in one cell.
+/// Builds a subtree of primitives in the order of the curve. It has at most 30 levels for the bits of the curve, and one for
+/// each halving of the primitives in a single cell.
 fn node(prims: &mut [PrimRef], order: &[u64], first: u32, depth: usize) -> Node2 {
     let count = prims.len();
     if count <= SMALL {

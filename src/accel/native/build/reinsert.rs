@@ -1,6 +1,5 @@
-//! A better binary tree by reinsertion: subtrees are taken out and put back where they enlarge the boxes least
-//! (Bittner, Hapala, Havran 2013; Meister & Bittner 2018, here one at a time, so that the result depends on nothing
-//! but the tree).
+//! Improves a binary tree by reinsertion: subtrees are removed and inserted where they enlarge boxes least (Bittner, Hapala,
+//! Havran 2013; Meister & Bittner 2018). One subtree is moved at a time, so that the result depends on the tree alone.
 
 use std::collections::BinaryHeap;
 
@@ -8,36 +7,37 @@ use super::super::node::bvh8::MAX_DEPTH;
 use super::binary::{Node2, Subtree};
 use super::primitive::Bounds;
 
-/// Rounds at most, and what a round must save to be followed by another one.
+/// The maximum number of rounds, and the relative cost that a round must save to be followed by another one.
 const ROUNDS: usize = 4;
 const WORTH: f64 = 0.002;
 
-/// Of all nodes, those with the largest boxes are tried in a round: one in so many.
+/// A round tries one node in this many, those with the largest boxes.
 const ONE_IN: usize = 2;
 
-/// Bytes of a node while the tree is improved.
+/// Size of a node in bytes while the tree is improved.
 pub(super) const NODE_BYTES: usize = size_of::<Node>();
 
-/// No node.
+/// Index that stands for no node.
 const NONE: u32 = u32::MAX;
 
-/// Binary nodes by number.
+/// A binary tree with nodes in a list.
 struct Arena {
     nodes: Vec<Node>,
     root: u32,
 }
 
+/// A node of the [`Arena`].
 struct Node {
     bounds: Bounds,
     area: f32,
     parent: u32,
     /// Both [`NONE`] in a leaf.
     children: [u32; 2],
-    /// First primitive and how many, in a leaf.
+    /// Index of the first primitive and number of primitives, in a leaf.
     prims: (u32, u32),
 }
 
-/// The tree with subtrees where they cost least. The tree itself where that would be too deep for the stacks.
+/// Returns the improved tree, or `tree` itself if the improved one is too deep for the traversal stacks.
 pub(super) fn improved(tree: Node2) -> Node2 {
     let mut arena = Arena { nodes: Vec::new(), root: 0 };
     arena.root = arena.add(&tree, NONE);
@@ -53,8 +53,9 @@ pub(super) fn improved(tree: Node2) -> Node2 {
     arena.rebuilt(arena.root, 0).unwrap_or(tree)
 }
 
-/// A place for a subtree: how much the boxes above it grow, at least; the node.
+/// A candidate for inserting a subtree beside `node`.
 struct Candidate {
+    /// Lower bound of the growth of the boxes above the node.
     growth: f32,
     node: u32,
 }
@@ -74,13 +75,14 @@ impl PartialOrd for Candidate {
 }
 
 impl Ord for Candidate {
-    /// The least growth is the greatest.
+    /// Orders candidates so that the heap yields the least growth first.
     fn cmp(&self, o: &Self) -> std::cmp::Ordering {
         o.growth.total_cmp(&self.growth).then(o.node.cmp(&self.node))
     }
 }
 
 impl Arena {
+    /// Adds a subtree below `parent`. Returns its index.
     fn add(&mut self, node: &Node2, parent: u32) -> u32 {
         let here = self.nodes.len() as u32;
         let prims = if let Subtree::Leaf { first, count } = node.subtree { (first, count) } else { (0, 0) };
@@ -94,12 +96,12 @@ impl Arena {
         here
     }
 
-    /// The surface area heuristic's, without constants: areas of all inner nodes.
+    /// The cost by the surface area heuristic, without constants: the sum of the areas of all inner nodes.
     fn cost(&self) -> f64 {
         self.nodes.iter().filter(|n| n.children[0] != NONE).map(|n| f64::from(n.area)).sum()
     }
 
-    /// Tries the nodes with the largest boxes once.
+    /// Reinserts each of the nodes with the largest boxes once.
     fn round(&mut self) {
         let mut order: Vec<u32> = (0..self.nodes.len() as u32).collect();
         let area = |i: u32| self.nodes[i as usize].area;
@@ -115,7 +117,7 @@ impl Arena {
         &mut self.nodes[i as usize]
     }
 
-    /// Takes a subtree out, and puts it where it enlarges the boxes least, which may be where it was.
+    /// Removes a subtree and inserts it where it enlarges boxes least, possibly where it was.
     fn reinsert(&mut self, node: u32, queue: &mut BinaryHeap<Candidate>) {
         let parent = self.node(node).parent;
         if parent == NONE || self.node(parent).parent == NONE {
@@ -127,8 +129,8 @@ impl Arena {
         // The sibling takes the parent's place.
         self.replace(grandparent, parent, sibling);
         self.refit(grandparent);
-        let best = self.place_for(node, queue);
-        // The parent goes between that place and the node above it.
+        let best = self.best_sibling(node, queue);
+        // The parent goes between the best node and the node above it.
         let above = self.node(best).parent;
         if above == NONE {
             self.root = parent;
@@ -136,7 +138,7 @@ impl Arena {
         } else {
             self.replace(above, best, parent);
         }
-        // Boxes above that place must grow even where the parent's own comes out as it was elsewhere.
+        // An empty box makes `refit` continue upwards even if the parent gets the same box as before.
         self.node(parent).bounds = Bounds::EMPTY;
         self.node(parent).children = [best, node];
         self.node(best).parent = parent;
@@ -151,7 +153,7 @@ impl Arena {
         self.node(new).parent = parent;
     }
 
-    /// Boxes from `i` up, until one does not change.
+    /// Recomputes boxes from node `i` upwards until one does not change.
     fn refit(&mut self, mut i: u32) {
         while i != NONE {
             let [a, b] = self.node(i).children;
@@ -167,14 +169,14 @@ impl Arena {
         }
     }
 
-    /// Branch and bound over the whole tree: beside which node the subtree costs least.
-    fn place_for(&self, node: u32, queue: &mut BinaryHeap<Candidate>) -> u32 {
+    /// Finds the node beside which the subtree costs least, by branch and bound over the whole tree.
+    fn best_sibling(&self, node: u32, queue: &mut BinaryHeap<Candidate>) -> u32 {
         let (bounds, area) = (self.nodes[node as usize].bounds, self.nodes[node as usize].area);
         let (mut best, mut least) = (self.root, f32::INFINITY);
         queue.clear();
         queue.push(Candidate { growth: 0.0, node: self.root });
         while let Some(Candidate { growth, node: at }) = queue.pop() {
-            // Whatever follows needs a new node at least as large as the subtree.
+            // Every further candidate needs a new node at least as large as the subtree.
             if growth + area >= least {
                 break;
             }
@@ -191,7 +193,7 @@ impl Arena {
         best
     }
 
-    /// As the builder makes it; `None` where it is deeper than it may be.
+    /// Converts a subtree to [`Node2`]. Returns `None` if it is deeper than [`MAX_DEPTH`].
     fn rebuilt(&self, i: u32, depth: usize) -> Option<Node2> {
         let node = &self.nodes[i as usize];
         let [a, b] = node.children;

@@ -1,4 +1,4 @@
-//! Where to divide a set of primitives.
+//! Splits of a set of primitives by the binned surface area heuristic, and partitions by them.
 
 use rayon::prelude::*;
 
@@ -7,24 +7,25 @@ use super::primitive::{Bounds, PrimRef, half_area};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8};
 
-/// Bins an axis, of large sets; and of small ones, whose bins cost more than what they hold. Multiples of eight.
+/// Bins per axis, for large sets and for small ones (in which the bins cost more than the primitives). Multiples of eight.
 const BINS: usize = 16;
 const FEW_BINS: usize = 8;
+/// Sets of at most this many primitives are small.
 const SMALL: usize = 128;
 
-/// Sets larger than this are looked through by several tasks, in pieces of this size.
+/// Sets larger than this are scanned by several tasks, in pieces of this size.
 const PIECE: usize = 1 << 15;
 
-/// Neighbours in memory that are sampled together.
+/// Number of neighbours in memory that are sampled together.
 const RUN: usize = 4;
 
-/// Of larger sets, about so many primitives are binned, evenly spread.
+/// Of large sets about this many primitives are binned, evenly spread.
 const SAMPLES: usize = 4096;
 
-/// The room a set takes up.
+/// The extent of a set of primitives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
-    /// The box around it.
+    /// The box around the primitives.
     pub bounds: Bounds,
     /// The box around the doubled centres.
     centres: Bounds,
@@ -33,7 +34,7 @@ pub(super) struct Extent {
 impl Extent {
     const EMPTY: Self = Self { bounds: Bounds::EMPTY, centres: Bounds::EMPTY };
 
-    /// Of a set.
+    /// The extent of `prims`.
     pub fn of(prims: &[PrimRef]) -> Self {
         if prims.len() > PIECE {
             return prims.par_chunks(PIECE).map(Self::of).reduce(|| Self::EMPTY, Self::union);
@@ -50,7 +51,7 @@ impl Extent {
         self.with(o.bounds.0, o.centres.0)
     }
 
-    /// So many cells along each axis.
+    /// A grid over the centres with `cells` cells along each axis.
     pub fn grid(&self, cells: usize) -> Grid {
         Grid(Scale::new(self, cells))
     }
@@ -63,8 +64,8 @@ impl Extent {
     }
 }
 
-/// From doubled centres to bins: where the first one begins, and how many there are in a unit of length, by axis; 0
-/// where the centres coincide.
+/// The map from doubled centres to bins, by axis: start of the first bin, bins per unit of length (0 if the centres
+/// coincide), and index of the last bin.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     start: F32x8,
@@ -88,18 +89,18 @@ impl Scale {
         }
     }
 
-    /// The bins of a primitive with these doubled centres, by axis; any number at all gives a bin.
+    /// Bins of a primitive with these doubled centres, by axis. Every input gives a valid bin, NaN too.
     #[inline(always)]
     fn bins_of(&self, centres: F32x8) -> F32x8 {
         ((centres - self.start) * self.per_length).max_or(F32x8::ZERO).min_or(self.last)
     }
 }
 
-/// Equal cells over the centres of a set.
+/// A grid of equal cells over the centres of a set.
 pub(super) struct Grid(Scale);
 
 impl Grid {
-    /// The cell of a primitive of the set, by axis.
+    /// The cell of a primitive, by axis.
     #[inline(always)]
     pub fn cell(&self, p: &PrimRef) -> [i32; 3] {
         let [x, y, z, ..] = self.0.bins_of(p.twice_centres()).truncated();
@@ -107,17 +108,18 @@ impl Grid {
     }
 }
 
-/// A way to divide a set.
+/// A split of a set at a bin border.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     scale: Scale,
     axis: usize,
-    /// The first bin of the upper part.
+    /// Index of the first bin of the upper part.
     bin: usize,
-    /// The boxes around both parts, where every primitive was binned.
-    rooms: Option<[Bounds; 2]>,
+    /// Boxes around both parts, if every primitive was binned.
+    part_bounds: Option<[Bounds; 2]>,
 }
 
+/// Bins along the three axes: the box around the primitives of each bin, and their number.
 struct Bins<const N: usize> {
     bounds: [[F32x8; N]; 3],
     count: [[i32; N]; 3],
@@ -138,20 +140,20 @@ impl<const N: usize> Bins<N> {
         }
     }
 
-    /// The boxes around the bins below a border, and around the others.
-    fn rooms(&self, axis: usize, border: usize) -> [Bounds; 2] {
+    /// Boxes around the bins below a border, and around the others.
+    fn part_bounds(&self, axis: usize, border: usize) -> [Bounds; 2] {
         let (below, above) = self.bounds[axis].split_at(border);
-        [below, above].map(|part| part.iter().fold(Bounds::EMPTY, |room, &bin| room.union(bin)))
+        [below, above].map(|part| part.iter().fold(Bounds::EMPTY, |bounds, &bin| bounds.union(bin)))
     }
 
-    /// The cheapest border, as `(axis, first bin above)`. LeafPacket8 borders at once; ties go to the lower axis, then
-    /// to the lower bin.
+    /// Returns the cheapest border, as `(axis, first bin above)`. Eight borders are computed at once. Ties go to the lower
+    /// axis, then to the lower bin.
     #[inline(always)]
     fn best(&self) -> Option<(usize, usize)> {
         let (mut best, mut place) = (F32x8::INFINITY, F32x8::ZERO);
         for axis in 0..3 {
             let (bounds, count) = (&self.bounds[axis], &self.count[axis]);
-            // By border: everything in the bins below it, and everything else.
+            // For each border: boxes and counts of the bins below it and above it.
             let (mut below, mut above) = ([F32x8::INFINITY; N], *bounds);
             let (mut low, mut high) = ([0; N], *count);
             for i in 1..N {
@@ -162,7 +164,7 @@ impl<const N: usize> Bins<N> {
                 high[k] += high[k + 1];
             }
             for eight in (0..N).step_by(8) {
-                let areas = |rooms: &[F32x8; N]| half_areas(std::array::from_fn(|i| rooms[eight + i]));
+                let areas = |boxes: &[F32x8; N]| half_areas(std::array::from_fn(|i| boxes[eight + i]));
                 let blocks = |count: &[i32; N]| F32x8::from_fn(|i| blocks(count[eight + i]) as f32);
                 let (low, high) = (blocks(&low), blocks(&high));
                 let cost = areas(&below) * low + areas(&above) * high;
@@ -179,7 +181,7 @@ impl<const N: usize> Bins<N> {
     }
 }
 
-/// Leaf blocks that so many primitives fill.
+/// Number of leaves that `count` primitives fill.
 #[inline(always)]
 fn blocks(count: i32) -> i32 {
     const { assert!(LEAF_SIZE == 8) };
@@ -188,26 +190,26 @@ fn blocks(count: i32) -> i32 {
 
 /// [`Bounds::half_area`] of eight boxes at once.
 #[inline(always)]
-fn half_areas(rooms: [F32x8; 8]) -> F32x8 {
-    let [a, b, c, _, d, e, f, _] = F32x8::transpose(rooms);
+fn half_areas(boxes: [F32x8; 8]) -> F32x8 {
+    let [a, b, c, _, d, e, f, _] = F32x8::transpose(boxes);
     let length = |lo: F32x8, negated_hi: F32x8| (F32x8::ZERO - (lo + negated_hi)).max_or(F32x8::ZERO);
     half_area(length(a, d), length(b, e), length(c, f))
 }
 
-/// The cheapest division by the surface area heuristic; `None` where every bin border leaves one side empty or costs
-/// more than can be told.
+/// Returns the cheapest split by the surface area heuristic, or `None` if every border leaves one side empty or has an
+/// infinite cost.
 pub(super) fn best(prims: &[PrimRef], extent: &Extent) -> Option<Split> {
     if prims.len() <= SMALL {
         best_of::<FEW_BINS>(prims, prims.len(), extent)
     } else if prims.len() < 2 * SAMPLES {
         best_of::<BINS>(prims, prims.len(), extent)
     } else {
-        // An odd number of runs, since meshes repeat themselves by even ones.
+        // An odd number of runs: meshes often repeat with an even period.
         best_of::<BINS>(prims, ((prims.len() / SAMPLES) | 1) * RUN, extent)
     }
 }
 
-/// Bins the first [`RUN`] primitives of each `step`, or all of them where that is one step.
+/// Bins the first [`RUN`] primitives of each `step`, or all primitives if `step` is their number.
 #[inline(always)]
 fn best_of<const N: usize>(prims: &[PrimRef], step: usize, extent: &Extent) -> Option<Split> {
     let scale = Scale::new(extent, N);
@@ -217,18 +219,19 @@ fn best_of<const N: usize>(prims: &[PrimRef], step: usize, extent: &Extent) -> O
         bins.add(&piece[..run.min(piece.len())], &scale);
     }
     let (axis, bin) = bins.best()?;
-    let rooms = (run == step).then(|| bins.rooms(axis, bin));
-    Some(Split { scale, axis, bin, rooms })
+    let part_bounds = (run == step).then(|| bins.part_bounds(axis, bin));
+    Some(Split { scale, axis, bin, part_bounds })
 }
 
-/// Moves the primitives below the division to the front; how many they are, and what room each part takes up.
+/// Moves the primitives below the split to the front. Returns their number and the extents of both parts.
 pub(super) fn partition(prims: &mut [PrimRef], split: &Split) -> (usize, [Extent; 2]) {
-    let Some([low, high]) = split.rooms else { return move_below::<true>(prims, split) };
+    let Some([low, high]) = split.part_bounds else { return move_below::<true>(prims, split) };
     let (middle, [a, b]) = move_below::<false>(prims, split);
     (middle, [Extent { bounds: low, centres: a.centres }, Extent { bounds: high, centres: b.centres }])
 }
 
-/// Nothing branches on which part a primitive belongs to, since that cannot be foreseen. Boxes only if `BOUNDS`.
+/// [`partition`] without a branch on the part of a primitive, which the CPU could not predict. The boxes of the parts are
+/// computed if `BOUNDS`.
 #[inline(always)]
 fn move_below<const BOUNDS: bool>(prims: &mut [PrimRef], split: &Split) -> (usize, [Extent; 2]) {
     let border = F32x8::from(split.bin as f32);
@@ -237,7 +240,7 @@ fn move_below<const BOUNDS: bool>(prims: &mut [PrimRef], split: &Split) -> (usiz
     for i in 0..prims.len() {
         let p = prims[i];
         let centres = p.twice_centres();
-        // Truncated places are below a whole number exactly where the places themselves are.
+        // A bin before truncation is below a whole number exactly if the truncated one is.
         let below = split.scale.bins_of(centres).lt(border).bits() >> split.axis & 1;
         let (in_low, none) = (Mask8::from_bits(below.wrapping_neg()), F32x8::INFINITY);
         if BOUNDS {
@@ -253,7 +256,8 @@ fn move_below<const BOUNDS: bool>(prims: &mut [PrimRef], split: &Split) -> (usiz
     (middle, [low, high])
 }
 
-/// Divides by number at the median centre along the widest axis, where the heuristic finds nothing or must not go on.
+/// Splits at the median centre along the widest axis. Used where the heuristic finds no split, or where the tree would
+/// become too deep.
 pub(super) fn halve(prims: &mut [PrimRef], extent: &Extent) -> (usize, [Extent; 2]) {
     let axis = extent.widest();
     let middle = prims.len() / 2;

@@ -1,9 +1,21 @@
-//! The closest hit found so far, of one ray and of eight.
+//! Hits with the primitives of a leaf, and the closest hit so far of one ray and of eight.
 
-use super::leaf::{LeafHits, Tags};
+use super::tags::Tags;
 use crate::geometry::{Hit, Hit8, NO_GEOMETRY};
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8, set_lanes};
+
+/// Hits in some lanes: of one ray with eight primitives, or of eight rays with one primitive.
+pub(crate) struct LeafHits {
+    /// Lanes with a hit; at least one lane in a hit of a single ray.
+    pub lanes: Mask8,
+    /// Ray parameters.
+    pub t: F32x8,
+    /// Barycentric weights of the second corners; 0 on spheres.
+    pub u: F32x8,
+    /// Barycentric weights of the third corners; 0 on spheres.
+    pub v: F32x8,
+}
 
 /// The closest hit of one ray so far.
 #[derive(Clone, Copy, Debug)]

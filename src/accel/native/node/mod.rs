@@ -5,4 +5,5 @@ pub(crate) mod bvh8;
 pub(crate) mod closest_hit;
 pub(crate) mod leaf;
 pub(crate) mod sphere8;
+pub(crate) mod tags;
 pub(crate) mod tri8;

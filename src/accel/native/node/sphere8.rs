@@ -2,8 +2,9 @@
 
 use super::super::ray::lane_ray::LaneRay;
 use super::super::ray::packet8::LeafPacket8;
-use super::closest_hit::ClosestHit8;
-use super::leaf::{Leaf, LeafHits, LeafQuery, Tags};
+use super::closest_hit::{ClosestHit8, LeafHits};
+use super::leaf::{Leaf, LeafQuery};
+use super::tags::Tags;
 use crate::geometry::sphere::{grown_bounds, intersect};
 use crate::geometry::{Aabb8, Sphere};
 use crate::math::LaneMask;

@@ -98,11 +98,11 @@ impl Packet8 {
     #[inline(always)]
     pub fn boxes_hit(&self, lanes: u8, t_max: F32x8, octant: Octant, boxes: &Aabb8, candidates: u8) -> u8 {
         let mut kept = 0;
-        for c in set_lanes(candidates) {
+        set_lanes(candidates).for_each(|c| {
             let (near, far) = boxes.sorted_lane(octant, c);
             let (enter, leave) = self.slab.clip_sorted(near, far, self.t_min, t_max);
             kept |= u8::from(enter.le(leave).bits() & lanes != 0) << c;
-        }
+        });
         kept
     }
 }

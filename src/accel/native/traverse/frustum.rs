@@ -67,9 +67,7 @@ impl Frustum {
                 (low, high) = (row.min_or(low), row.max_or(high));
             }
         } else {
-            for i in set_lanes(lanes) {
-                (low, high) = (rows[i].min_or(low), rows[i].max_or(high));
-            }
+            set_lanes(lanes).for_each(|i| (low, high) = (rows[i].min_or(low), rows[i].max_or(high)));
         }
         Self::between(low, high, octant)
     }
@@ -161,9 +159,7 @@ impl Frustum {
                 return true;
             }
             let node = &tree.nodes[here.index()];
-            for c in set_lanes(self.boxes_hit(&node.boxes, octant).0) {
-                open.push(node.children[c]);
-            }
+            set_lanes(self.boxes_hit(&node.boxes, octant).0).for_each(|c| open.push(node.children[c]));
         }
         !open.is_empty()
     }

@@ -19,7 +19,7 @@ pub(super) fn closest<L: Leaf>(
     stack: &mut Stack,
 ) {
     let (boxes, leaves) = (BoxRays8::new(rays), LeafRays8::new(rays, 0, lanes));
-    for i in set_lanes(lanes) {
+    set_lanes(lanes).for_each(|i| {
         let ray = LaneRay::new(&boxes, &leaves, i, rays.octant(i));
         let mut hit = closest.lane(i);
         traverse::<L, true>(tree, &ray, hit.t, stack, |leaf, t_max| {
@@ -30,7 +30,7 @@ pub(super) fn closest<L: Leaf>(
             false
         });
         closest.set_lane(i, &hit);
-    }
+    });
 }
 
 /// Returns the lanes of `lanes` whose ray has any hit.
@@ -38,13 +38,13 @@ pub(super) fn closest<L: Leaf>(
 pub(super) fn occluded<L: Leaf>(tree: &Bvh8<L>, rays: &Packet8, lanes: u8, stack: &mut Stack) -> u8 {
     let (boxes, leaves) = (BoxRays8::new(rays), LeafRays8::new(rays, 0, lanes));
     let mut blocked = 0;
-    for i in set_lanes(lanes) {
+    set_lanes(lanes).for_each(|i| {
         let ray = LaneRay::new(&boxes, &leaves, i, rays.octant(i));
         let hit = traverse::<L, false>(tree, &ray, boxes.t_max.lane(i), stack, |leaf, t_max| {
             leaf.intersect_ray(&ray, *t_max).is_some()
         });
         blocked |= u8::from(hit) << i;
-    }
+    });
     blocked
 }
 
@@ -108,7 +108,8 @@ fn traverse<L: Leaf, const CLOSEST: bool>(
             stack[top] = a;
             stack[top + 1] = b;
             top += 2;
-            for i in set_lanes(left) {
+            while left != 0 {
+                let i = pop_lane(&mut left);
                 stack[top] = Entry { enter: enter[i], node: node.children[i], groups: 0 };
                 top += 1;
             }

@@ -71,9 +71,7 @@ impl RayStream {
         rays.boxes[slot] = BoxRays8::new(packet);
         rays.leaves[slot] = LeafRays8::new(packet, index, lanes);
         let octants = packet.octants();
-        for i in set_lanes(lanes) {
-            self.octants[usize::from(octants[i] & 7)].all.push((slot * 8 + i) as u16);
-        }
+        set_lanes(lanes).for_each(|i| self.octants[usize::from(octants[i] & 7)].all.push((slot * 8 + i) as u16));
     }
 
     /// Returns true if there are no rays.

@@ -125,11 +125,11 @@ fn traverse<L: Leaf, const CLOSEST: bool>(
             if patience == 0 {
                 groups.iter_mut().for_each(|group| group.wide = true);
             }
-            for g in set_lanes(hit) {
+            set_lanes(hit).for_each(|g| {
                 let group = &mut groups[g];
                 let (slots, _) = group.frustum.boxes_hit(&boxes, octant);
                 if slots == 0 {
-                    continue;
+                    return;
                 }
                 let (rays, closest) = (&rays[group.packet], &mut closest[group.packet]);
                 let query = LeafQuery { lanes: group.lanes, octant, boxes: &boxes };
@@ -145,7 +145,7 @@ fn traverse<L: Leaf, const CLOSEST: bool>(
                         live &= !(u8::from(group.lanes == 0) << g);
                     }
                 }
-            }
+            });
             if live == 0 {
                 return;
             }
@@ -158,7 +158,7 @@ fn traverse<L: Leaf, const CLOSEST: bool>(
         let mut masks = 0_u64;
         let mut enter = F32x8::INFINITY;
         let mut any = 0;
-        for g in set_lanes(hit) {
+        set_lanes(hit).for_each(|g| {
             let group = &groups[g];
             let (mut boxes, at) = group.frustum.boxes_hit(&node.boxes, octant);
             if group.wide {
@@ -170,17 +170,17 @@ fn traverse<L: Leaf, const CLOSEST: bool>(
             if CLOSEST {
                 enter = at.min_or(enter);
             }
-        }
+        });
         if any == 0 {
             continue;
         }
         let by_child = transpose_bits(masks);
         let base = top;
-        for c in set_lanes(any) {
+        set_lanes(any).for_each(|c| {
             let enter = if CLOSEST { enter.lane(c) } else { 0.0 };
             stack[top] = Entry { enter, node: node.children[c], groups: (by_child >> (8 * c)) as u8 };
             top += 1;
-        }
+        });
         if CLOSEST && top - base > 1 {
             sort_nearest_last(&mut stack[base..top]);
         }

@@ -1,15 +1,13 @@
-//! Times and what may be said of them.
+//! Medians with confidence intervals.
 //!
-//! Variants take turns with the default one, which begins and ends each round; what is compared is the ratio within a
-//! round, to the geometric mean of the two. The interval of the median is that of order statistics, which assumes nothing
-//! of how times scatter.
+//! The interval of a median is that of order statistics. It assumes no distribution of the values.
 
 use serde::{Deserialize, Serialize};
 
-/// Confidence that is aimed at.
+/// Least confidence of an interval, where there are enough runs for it.
 const WANTED: f64 = 0.95;
 
-/// A median and where the true one lies.
+/// A median and the interval of the true one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// Median of the runs.
@@ -23,7 +21,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Of the figures of all runs, at least one.
+    /// The median of the values of all runs, at least one.
     #[must_use]
     pub fn of(runs: &[f64]) -> Self {
         let mut sorted = runs.to_vec();
@@ -35,8 +33,8 @@ impl Figure {
         Self { median, interval: [sorted[k], sorted[n - 1 - k]], confidence: confidence(n, k), runs: n }
     }
 
-    /// Whether the figure may be `x` for all that was measured. One or two runs tell nothing; three to five cannot be as
-    /// sure as is aimed at, so that their interval counts three times as wide.
+    /// Returns true if the measured runs do not rule out a true median of `x`. One or two runs rule out nothing. The interval
+    /// of three to five runs has too low a confidence, and counts three times as wide.
     #[must_use]
     pub fn may_be(&self, x: f64) -> bool {
         let [low, high] = self.interval;

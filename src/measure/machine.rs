@@ -1,16 +1,16 @@
-//! What it all runs on.
+//! The machine and the build, for reports.
 
 use crate::accel::embree::Installed;
 use crate::simd::level;
 
-/// The machine and the build, as reports have them.
+/// The machine and the build that measured.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Machine {
     /// The CPU's own name, by CPUID.
     pub cpu: String,
     /// Processors that this process may use.
     pub processors: usize,
-    /// What the binary was built for.
+    /// The instruction set that the binary was built for.
     pub simd: &'static str,
     /// The version of this program.
     pub vitrum: &'static str,
@@ -19,7 +19,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This one.
+    /// Describes this machine.
     #[must_use]
     pub fn this(embree: Option<Installed>) -> Self {
         Self {

@@ -88,7 +88,7 @@ impl Rng {
 
 /// Returns an origin near `around` (within `spread` along each axis) from which the vector to `target` is exact in
 /// `f32`, so that the ray really is aimed there.
-pub(super) fn exact_start(rng: &mut Rng, target: Vec3, around: DVec3, spread: DVec3) -> Option<Vec3> {
+pub(crate) fn exact_start(rng: &mut Rng, target: Vec3, around: DVec3, spread: DVec3) -> Option<Vec3> {
     let mut start = Vec3::ZERO;
     for axis in 0..3 {
         let to = f64::from(target[axis]);
