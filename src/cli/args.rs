@@ -1,37 +1,28 @@
-//! What may be typed, and the help for it. Values are checked one by one here, against each other in [`super::options`].
+//! The commands, and flags that several commands share. Values are checked one by one here, and against each other in
+//! [`super::options`].
 
-mod bench;
-mod compare;
-mod effects;
-mod explain;
-mod formulas;
-mod map;
-mod numbers;
-mod parity;
-mod pixel;
-mod price;
-mod render;
-mod settings;
-mod strict;
-mod verify;
+pub(super) mod effects;
+pub(super) mod numbers;
+pub(super) mod settings;
+pub(super) mod strict;
 
 use std::sync::LazyLock;
 
 use clap::{Args, Parser, Subcommand};
 
+pub(super) use super::bench::args::BenchArgs;
+pub(super) use super::compare::args::CompareArgs;
+pub(super) use super::explain::args::ExplainArgs;
+pub(super) use super::map::args::MapArgs;
+pub(super) use super::parity::args::ParityArgs;
+pub(super) use super::pixel::args::PixelArgs;
+pub(super) use super::price::args::PriceArgs;
+pub(super) use super::render::args::RenderArgs;
+pub(super) use super::verify::args::VerifyArgs;
 use crate::simd::level;
-pub(super) use bench::BenchArgs;
-pub(super) use compare::CompareArgs;
 pub(super) use effects::EffectArgs;
-pub(super) use explain::ExplainArgs;
-pub(super) use map::MapArgs;
-pub(super) use parity::ParityArgs;
-pub(super) use pixel::PixelArgs;
-pub(super) use price::PriceArgs;
-pub(super) use render::RenderArgs;
 pub(super) use settings::SettingsArgs;
 pub(super) use strict::StrictArg;
-pub(super) use verify::VerifyArgs;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
 

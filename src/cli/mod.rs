@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, flags in `args` and `options` alone.
+//! The command line: a folder per command, with its flags (`args`), their validation (`options`) and the command itself.
 
 mod args;
 mod backend;

@@ -1,37 +1,27 @@
-//! The command line as types, checked as a whole: past this point there are no flags.
+//! Validated options that several commands share. Code past this point has no flags.
 
-mod bench;
-mod choices;
-mod compare;
-mod effects;
-mod explain;
-mod formulas;
-mod map;
-mod parity;
-mod picture;
-mod pixel;
-mod price;
-mod render;
-mod verify;
+pub(super) mod choices;
+pub(super) mod effects;
+pub(super) mod picture;
 
 use std::path::Path;
 
+pub(super) use super::bench::options::Bench;
+pub(super) use super::compare::options::{Compare, Difference};
+pub(super) use super::explain::options::Explain;
+pub(super) use super::formulas::options::Formulas;
+pub(super) use super::map::options::Map;
+pub(super) use super::parity::options::Parity;
+pub(super) use super::pixel::options::Pixel;
+pub(super) use super::price::options::Price;
+pub(super) use super::render::options::{Exposure, Render};
+pub(super) use super::verify::options::Verify;
 use crate::image::{Destination, Format};
 use crate::{Error, Result};
-pub(super) use bench::Bench;
-pub(super) use compare::{Compare, Difference};
-pub(super) use explain::Explain;
-pub(super) use formulas::Formulas;
-pub(super) use map::Map;
-pub(super) use parity::Parity;
 pub(super) use picture::{Overrides, SmallPicture};
-pub(super) use pixel::Pixel;
-pub(super) use price::Price;
-pub(super) use render::{Exposure, Render};
-pub(super) use verify::Verify;
 
 /// Devices and pipes seldom have an extension; they get PNG.
-fn format_of(output: &Destination) -> Result<Format> {
+pub(super) fn format_of(output: &Destination) -> Result<Format> {
     if output.is_stream() && output.name().extension().is_none() {
         return Ok(Format::Png);
     }

@@ -18,7 +18,7 @@ fn number32(text: &str) -> Result<f32, String> {
 }
 
 /// A difference of a channel.
-pub(super) fn bound(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn bound(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value > 0.0 && value.is_finite() {
         Ok(value)
@@ -27,32 +27,32 @@ pub(super) fn bound(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) fn cutoff(text: &str) -> Result<f32, String> {
+pub(in crate::cli) fn cutoff(text: &str) -> Result<f32, String> {
     let x = number32(text)?;
     if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
 }
 
-pub(super) fn above_minus_one(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn above_minus_one(text: &str) -> Result<f64, String> {
     let x = number(text)?;
     if x > -1.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above -1")) }
 }
 
-pub(super) fn above_zero(text: &str) -> Result<f32, String> {
+pub(in crate::cli) fn above_zero(text: &str) -> Result<f32, String> {
     let x = number32(text)?;
     if x > 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number above 0")) }
 }
 
-pub(super) fn exposure(text: &str) -> Result<f32, String> {
+pub(in crate::cli) fn exposure(text: &str) -> Result<f32, String> {
     let x = number32(text)?;
     if (-64.0..=64.0).contains(&x) { Ok(x) } else { Err(String::from("not in -64 to 64")) }
 }
 
-pub(super) fn share(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn share(text: &str) -> Result<f64, String> {
     let x = number(text)?;
     if (0.0..=1.0).contains(&x) { Ok(x) } else { Err(String::from("not in 0 to 1")) }
 }
 
-pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn not_negative(text: &str) -> Result<f64, String> {
     let x = number(text)?;
     if x >= 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number of at least 0")) }
 }

@@ -7,7 +7,7 @@ use crate::{Error, Result};
 ///
 /// # Errors
 /// Usage, where a constant is given for another formula.
-pub(super) fn refraction(formula: Option<RefractionModel>, c: Option<f64>) -> Result<RefractionModel> {
+pub(in crate::cli) fn refraction(formula: Option<RefractionModel>, c: Option<f64>) -> Result<RefractionModel> {
     match (formula.unwrap_or_default(), c) {
         (formula, None) => Ok(formula),
         (RefractionModel::Oliveira(_), Some(c)) => Ok(RefractionModel::Oliveira(Oliveira { c })),
@@ -18,6 +18,6 @@ pub(super) fn refraction(formula: Option<RefractionModel>, c: Option<f64>) -> Re
 }
 
 /// Why `--bvh` is refused for those who "have" or "has" none.
-pub(super) fn no_hierarchy(who_have: &str) -> Error {
+pub(in crate::cli) fn no_hierarchy(who_have: &str) -> Error {
     Error::Usage(format!("--bvh: {who_have} no hierarchy to build; leave it out"))
 }

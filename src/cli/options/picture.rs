@@ -43,8 +43,8 @@ impl Overrides {
 /// The size of a picture that is traced in `f64`, too.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::cli) struct SmallPicture {
-    pub(super) width: Option<u32>,
-    pub(super) height: Option<u32>,
+    pub(in crate::cli) width: Option<u32>,
+    pub(in crate::cli) height: Option<u32>,
 }
 
 impl SmallPicture {

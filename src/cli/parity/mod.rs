@@ -1,6 +1,8 @@
 //! `vitrum parity`.
 
+pub(super) mod args;
 mod contenders;
+pub(super) mod options;
 mod pixels;
 mod report;
 mod single;

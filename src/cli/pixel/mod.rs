@@ -1,8 +1,10 @@
 //! `vitrum pixel`: two renderers' trees of rays, aligned and told.
 
 mod align;
+pub(super) mod args;
 mod condition;
 mod json;
+pub(super) mod options;
 mod quantity;
 mod svg;
 mod text;

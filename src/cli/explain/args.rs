@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::{EffectArgs, StrictArg};
+use crate::cli::args::{EffectArgs, StrictArg};
 
 /// Say which effects a scene calls for, and why; with --measure, what each is worth.
 #[derive(Debug, Args)]

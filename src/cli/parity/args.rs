@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::StrictArg;
 use crate::accel::BuildQuality;
+use crate::cli::args::StrictArg;
 use crate::cli::choice::{about, levels};
 use crate::trial::shown::{self, Ray};
 

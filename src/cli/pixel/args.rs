@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use super::SettingsArgs;
-use super::numbers::{above_minus_one, not_negative};
+use crate::cli::args::SettingsArgs;
+use crate::cli::args::numbers::{above_minus_one, not_negative};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, about_with, levels};
 use crate::optics::{FresnelModel, RefractionModel};

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::SmallPicture;
 use crate::accel::BuildQuality;
 use crate::cli::args::ParityArgs;
+use crate::cli::options::SmallPicture;
 use crate::trial::shown::Ray;
 
 /// Paths to be compared ray by ray.

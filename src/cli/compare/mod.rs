@@ -1,5 +1,8 @@
 //! `vitrum compare`.
 
+pub(super) mod args;
+pub(super) mod options;
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! `vitrum price --formulas`, checked.
 
-use super::choices::no_hierarchy;
 use crate::cli::args::PriceArgs;
+use crate::cli::options::choices::no_hierarchy;
 use crate::study::formulas::{Kind, Plan};
 use crate::{Error, Result};
 

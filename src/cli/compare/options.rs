@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::{format_of, refuse_input};
 use crate::cli::args::CompareArgs;
+use crate::cli::options::{format_of, refuse_input};
 use crate::image::{Destination, Format};
 use crate::{Error, Result};
 

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::super::args::ExplainArgs;
-use super::{SmallPicture, effects};
+use crate::cli::args::ExplainArgs;
+use crate::cli::options::{SmallPicture, effects};
 use crate::{Error, Result, render};
 
 /// A scene to be explained.

@@ -1,5 +1,8 @@
 //! `vitrum verify`.
 
+pub(super) mod args;
+pub(super) mod options;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

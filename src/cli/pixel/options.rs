@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::choices::refraction;
-use super::{Overrides, refuse_input};
 use crate::accel::Backend;
 use crate::cli::args::PixelArgs;
 use crate::cli::backend::Renderer;
+use crate::cli::options::choices::refraction;
+use crate::cli::options::{Overrides, refuse_input};
 use crate::image::Destination;
 use crate::render;
 use crate::{Error, Result};

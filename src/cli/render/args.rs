@@ -5,12 +5,13 @@ use std::time::Duration;
 
 use clap::{Args, value_parser};
 
-use super::numbers::{above_minus_one, above_zero, bound, exposure};
-use super::{EffectArgs, SettingsArgs, StrictArg, price};
 use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
+use crate::cli::args::numbers::{above_minus_one, above_zero, bound, exposure};
+use crate::cli::args::{EffectArgs, SettingsArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, about_with, levels};
+use crate::cli::price::args as price;
 use crate::image::Bits;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;

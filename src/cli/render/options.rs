@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::choices::{no_hierarchy, refraction};
-use super::{Overrides, effects, format_of, refuse_input};
 use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::args::RenderArgs;
 use crate::cli::backend::Renderer;
+use crate::cli::options::choices::{no_hierarchy, refraction};
+use crate::cli::options::{Overrides, effects, format_of, refuse_input};
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, RefractionModel};

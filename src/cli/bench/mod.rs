@@ -1,5 +1,8 @@
 //! `vitrum bench`.
 
+pub(super) mod args;
+pub(super) mod options;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

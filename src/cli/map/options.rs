@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use super::super::args::MapArgs;
-use super::super::backend::Renderer;
-use super::{format_of, refuse_input};
+use crate::cli::args::MapArgs;
+use crate::cli::backend::Renderer;
+use crate::cli::options::{format_of, refuse_input};
 use crate::image::{Destination, Format};
 use crate::scene::MapKind;
 use crate::{Error, Result, render};

@@ -1,5 +1,8 @@
 //! `vitrum map`.
 
+pub(super) mod args;
+pub(super) mod options;
+
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

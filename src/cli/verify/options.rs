@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::choices::no_hierarchy;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::args::VerifyArgs;
 use crate::cli::choice::PathArg;
+use crate::cli::options::choices::no_hierarchy;
 use crate::error::{Error, Result, Unavailable};
 use crate::trial::verify::{self, Group};
 

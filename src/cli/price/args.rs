@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use clap::{Args, value_parser};
 
-use super::formulas::FormulasArgs;
 use crate::accel::BuildQuality;
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
+use crate::cli::formulas::args::FormulasArgs;
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.

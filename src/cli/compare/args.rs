@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::numbers::{not_negative, share};
+use crate::cli::args::numbers::{not_negative, share};
 
 /// Compare two pictures of the same size.
 #[derive(Debug, Args)]

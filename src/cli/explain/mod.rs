@@ -1,5 +1,8 @@
 //! `vitrum explain`.
 
+pub(super) mod args;
+pub(super) mod options;
+
 use std::sync::Arc;
 use std::time::Instant;
 

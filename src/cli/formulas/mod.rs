@@ -1,5 +1,8 @@
 //! `vitrum price --formulas`.
 
+pub(super) mod args;
+pub(super) mod options;
+
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 

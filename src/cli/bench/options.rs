@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::refuse_input;
 use crate::cli::args::BenchArgs;
+use crate::cli::options::refuse_input;
 use crate::image::Destination;
 use crate::trial::{BenchPlan, Picture, RayKind};
 use crate::{Error, Result};
