@@ -136,8 +136,9 @@ impl Aabb8 {
     #[inline(always)]
     #[must_use]
     pub fn sorted_lane(&self, octant: Octant, i: usize) -> (Vec3x8, Vec3x8) {
-        let near = |axis: usize| F32x8::from(self.near(axis, octant).lane(i));
-        let far = |axis: usize| F32x8::from(self.far(axis, octant).lane(i));
+        // Lanes are read in place: a plane returned by value goes through the stack.
+        let near = |axis: usize| F32x8::from(self.planes[axis][octant[axis] & 1].lane(i));
+        let far = |axis: usize| F32x8::from(self.planes[axis][(octant[axis] & 1) ^ 1].lane(i));
         (Vec3x8::new(near(0), near(1), near(2)), Vec3x8::new(far(0), far(1), far(2)))
     }
 }
