@@ -23,6 +23,9 @@ const CHUNK: usize = 256;
 /// Mean units of [`Budget`] per ray in a batch: several times that of a ray in a large model.
 const UNITS_A_RAY: u64 = 2_400;
 
+/// Rays that the budget of a batch is made for at the least, so that a single costly ray does not end a small one.
+const FEWEST: u64 = 64;
+
 /// Units of [`Budget`] after which no more rays are traced together.
 const CHUNK_UNITS: u64 = 2_000_000;
 
@@ -65,7 +68,7 @@ pub fn fire<C: Candidate>(
             let mut rng = Rng::new(group.name(), i);
             let count = plan.rays.unwrap_or(plan.sized(2_000_000, 64_000)) as usize / BATCHES;
             let rays: Vec<Ray> = (0..count).map(|k| aim.ray(&mut rng, group == Group::Parity, k)).collect();
-            let budget = Budget::new(UNITS_A_RAY * count as u64);
+            let budget = Budget::new(UNITS_A_RAY * (count as u64).max(FEWEST));
             Ok(match group {
                 Group::SelfHits => target.left_behind(&arbiter, &rays, budget, &mut rng),
                 _ => target.judged(group, &arbiter, &rays, budget),
