@@ -189,6 +189,7 @@ impl Search<'_> {
         let mut truth: Option<(Steps, Vec<PixelMean>)> = None;
         // Rendered again as well, since the picture may be another renderer's.
         let mut narrow = self.render_some(self.own.clone(), &sample, self.left / 4)?;
+        let (mut before, mut last) = (self.left, 0);
         let mut seen = self.render_some(self.settings([1; 2]), &sample[..narrow.len()], self.left / 2)?;
         if seen.len() < sample.len() && seen.len() >= FEWEST {
             // Part of the sample tells more than the bound.
@@ -202,9 +203,12 @@ impl Search<'_> {
                 break;
             }
             if step > 1 {
-                let Some(wider) = self.render(self.settings([step; 2]), &sample)? else { break };
+                // Wider limits take more rays than the last ones.
+                let Some(wider) = self.render_within(self.settings([step; 2]), &sample, last)? else { break };
                 seen = wider;
             }
+            last = before - self.left;
+            before = self.left;
             lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow, wide)).collect();
             let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
             truth = Some(([step; 2], seen.clone()));
@@ -329,8 +333,17 @@ impl Search<'_> {
         }
     }
 
-    /// Some pixels under other settings; none where that takes more rays than are left.
+    /// Renders some pixels under other settings, which take at least as many rays as `least`. Returns none if that is more
+    /// than are left.
+    fn render_within(&mut self, settings: Settings, which: &[usize], least: u64) -> Result<Option<Vec<PixelMean>>> {
+        if least >= self.left { Ok(None) } else { self.render(settings, which) }
+    }
+
+    /// Renders some pixels under other settings. Returns none if that takes more rays than are left.
     fn render(&mut self, settings: Settings, which: &[usize]) -> Result<Option<Vec<PixelMean>>> {
+        if self.left == 0 {
+            return Ok(None);
+        }
         let pixels = self.render_some(settings, which, self.left)?;
         Ok((pixels.len() == which.len()).then_some(pixels))
     }

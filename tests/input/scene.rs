@@ -149,7 +149,7 @@ fn lights_out_of_range_are_refused() {
         ("type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [-2, 0, 0]]\nintensity = 1", "parallel"),
         (
             "type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [0, 1, 0]]\ndirection = [1, 1, 0]\nintensity = 1",
-            "along its own plane",
+            "lies in its own plane",
         ),
         (
             "type = 'rectangle'\nposition = [0, 0, 0]\nedges = [[1, 0, 0], [0, 1, 0]]\nspread = 'wide'\nintensity = 1",
