@@ -71,7 +71,7 @@
 //! | [`render`] | the renderers in eight lanes and in `f64` |
 //! | [`notices`] | warnings about a scene and its picture |
 //! | [`trial`], [`study`] | back ends side by side; what accuracy costs |
-//! | [`error`], [`system`], [`choice`] | the error type; limits of the machine; settings with named levels |
+//! | [`error`], [`system`], [`choice`](mod@choice) | the error type; limits of the machine; settings with named levels |
 //!
 //! # Building
 //!

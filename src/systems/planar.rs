@@ -47,7 +47,7 @@ impl Mirror {
 pub enum Curved {
     /// It is a sphere.
     Sphere,
-    /// Its triangles lie in more planes than [`MOST_PLANES`].
+    /// Its triangles lie in more planes than `MOST_PLANES`.
     ManyPlanes,
     /// A face is not flat.
     Bent,

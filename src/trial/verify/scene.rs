@@ -50,7 +50,7 @@ pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
 /// triangle and its location, and give a command that repeats the ray on the file `name`.
 ///
 /// # Errors
-/// Returns [`Error::Interrupted`] if stopped, or an error if the back end cannot be built.
+/// Returns [`Error::Interrupted`](crate::Error::Interrupted) if stopped, or an error if the back end cannot be built.
 pub fn fire<C: Candidate>(
     candidate: &C,
     scene: &Scene,
