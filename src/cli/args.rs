@@ -3,6 +3,7 @@
 
 pub(super) mod effects;
 pub(super) mod numbers;
+pub(super) mod optics;
 pub(super) mod settings;
 pub(super) mod strict;
 
@@ -21,6 +22,7 @@ pub(super) use super::render::args::RenderArgs;
 pub(super) use super::verify::args::VerifyArgs;
 use crate::simd::level;
 pub(super) use effects::EffectArgs;
+pub(super) use optics::OpticsArgs;
 pub(super) use settings::SettingsArgs;
 pub(super) use strict::StrictArg;
 

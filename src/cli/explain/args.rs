@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use crate::cli::args::{EffectArgs, StrictArg};
+use crate::cli::options::SmallPicture;
 
 /// Say which effects a scene calls for, and why; with --measure, what each is worth.
 #[derive(Debug, Args)]
@@ -29,13 +30,8 @@ pub(in crate::cli) struct ExplainArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 5, requires = "measure")]
     pub rounds: u32,
 
-    /// Columns of the picture [default: the scene's, at most 320]
-    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
-    pub width: Option<u32>,
-
-    /// Rows of the picture [default: the scene's, at most 240]
-    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
-    pub height: Option<u32>,
+    #[command(flatten)]
+    pub picture: SmallPicture,
 
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]

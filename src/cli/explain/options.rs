@@ -32,7 +32,7 @@ impl TryFrom<ExplainArgs> for Explain {
         Ok(Self {
             scene: args.scene,
             rounds: args.measure.then_some(args.rounds as usize),
-            picture: SmallPicture { width: args.width, height: args.height },
+            picture: args.picture,
             options,
             strict: args.strict.strict,
             json: args.json,

@@ -1,5 +1,7 @@
 //! What becomes of the settings that a scene gives its picture.
 
+use clap::{Args, value_parser};
+
 use crate::cli::args::SettingsArgs;
 use crate::image::MOST_PIXELS;
 use crate::scene::{Settings, ShadowRule};
@@ -41,10 +43,15 @@ impl Overrides {
 }
 
 /// The size of a picture that is traced in `f64`, too.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Args)]
 pub(in crate::cli) struct SmallPicture {
-    pub(in crate::cli) width: Option<u32>,
-    pub(in crate::cli) height: Option<u32>,
+    /// Columns of the picture [default: the scene's, at most 320]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
+    width: Option<u32>,
+
+    /// Rows of the picture [default: the scene's, at most 240]
+    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
+    height: Option<u32>,
 }
 
 impl SmallPicture {

@@ -7,6 +7,7 @@ use clap::{Args, value_parser};
 use crate::accel::BuildQuality;
 use crate::cli::args::StrictArg;
 use crate::cli::choice::{about, levels};
+use crate::cli::options::SmallPicture;
 use crate::trial::shown::{self, Ray};
 
 /// Trace the same rays by every path and judge what differs.
@@ -39,13 +40,8 @@ pub(in crate::cli) struct ParityArgs {
           conflicts_with_all = ["rays", "width", "height"])]
     pub ray: Option<Ray>,
 
-    /// Columns of the picture [default: the scene's, at most 320]
-    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
-    pub width: Option<u32>,
-
-    /// Rows of the picture [default: the scene's, at most 240]
-    #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=65536))]
-    pub height: Option<u32>,
+    #[command(flatten)]
+    pub picture: SmallPicture,
 
     #[arg(long, help = about::<BuildQuality>(), value_parser = levels::<BuildQuality>())]
     pub bvh: Option<BuildQuality>,

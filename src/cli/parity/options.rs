@@ -31,7 +31,7 @@ impl From<ParityArgs> for Parity {
             scene: args.scene,
             rays: args.rays as usize,
             ray: args.ray,
-            picture: SmallPicture { width: args.width, height: args.height },
+            picture: args.picture,
             bvh: args.bvh.unwrap_or_default(),
             threads: args.threads.unwrap_or(0) as usize,
             strict: args.strict.strict,

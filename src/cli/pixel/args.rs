@@ -4,12 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use crate::cli::args::SettingsArgs;
-use crate::cli::args::numbers::{above_minus_one, not_negative};
+use crate::cli::args::numbers::not_negative;
+use crate::cli::args::{OpticsArgs, SettingsArgs};
 use crate::cli::backend::Renderer;
-use crate::cli::choice::{about, about_with, levels};
-use crate::optics::{FresnelModel, RefractionModel};
-use crate::scene::ShadowRule;
 
 /// Show the tree of rays behind one pixel, in f32 and in f64.
 #[derive(Debug, Args)]
@@ -53,18 +50,8 @@ pub(in crate::cli) struct PixelArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
 
-    #[arg(long, help = about::<FresnelModel>(), value_parser = levels::<FresnelModel>(), help_heading = "Light")]
-    pub fresnel: Option<FresnelModel>,
-
-    #[arg(long, help = about::<RefractionModel>(), value_parser = levels::<RefractionModel>(), help_heading = "Light")]
-    pub refraction: Option<RefractionModel>,
-
-    /// Constant of `--refraction oliveira`; same as `--refraction oliveira=C`
-    #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
-    pub oliveira: Option<f64>,
-
-    #[arg(long, help = about_with::<ShadowRule>("as in the scene"), value_parser = levels::<ShadowRule>(), help_heading = "Light")]
-    pub shadows: Option<ShadowRule>,
+    #[command(flatten)]
+    pub optics: OpticsArgs,
 
     /// Back end that traces rays in f32 [default: embree where built in, else native]
     #[arg(long, value_enum, help_heading = "Machine")]

@@ -52,11 +52,11 @@ impl TryFrom<PixelArgs> for Pixel {
             least: args.least,
             svg,
             json: args.json,
-            overrides: Overrides::new(args.settings, args.shadows),
+            overrides: Overrides::new(args.settings, args.optics.shadows),
             backend,
             options: render::Options {
-                fresnel: args.fresnel.unwrap_or_default(),
-                refraction: refraction(args.refraction, args.oliveira)?,
+                fresnel: args.optics.fresnel.unwrap_or_default(),
+                refraction: refraction(args.optics.refraction, args.optics.oliveira)?,
                 threads: 1,
                 ..render::Options::default()
             },

@@ -7,15 +7,13 @@ use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
-use crate::cli::args::numbers::{above_minus_one, above_zero, bound, exposure};
-use crate::cli::args::{EffectArgs, SettingsArgs, StrictArg};
+use crate::cli::args::numbers::{above_zero, bound, exposure};
+use crate::cli::args::{EffectArgs, OpticsArgs, SettingsArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, about_with, levels};
 use crate::cli::price::args as price;
 use crate::image::Bits;
-use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
-use crate::scene::ShadowRule;
 use crate::simd::ReciprocalModel;
 use crate::study::Spheres;
 use crate::systems::maps::Proxy;
@@ -62,15 +60,8 @@ pub(in crate::cli) struct RenderArgs {
         help_heading = "Light")]
     pub cutoff_error: Option<f32>,
 
-    #[arg(long, help = about::<FresnelModel>(), value_parser = levels::<FresnelModel>(), help_heading = "Light")]
-    pub fresnel: Option<FresnelModel>,
-
-    #[arg(long, help = about::<RefractionModel>(), value_parser = levels::<RefractionModel>(), help_heading = "Light")]
-    pub refraction: Option<RefractionModel>,
-
-    /// Constant of `--refraction oliveira`; same as `--refraction oliveira=C`
-    #[arg(long, value_name = "C", value_parser = above_minus_one, allow_negative_numbers = true, help_heading = "Light")]
-    pub oliveira: Option<f64>,
+    #[command(flatten)]
+    pub optics: OpticsArgs,
 
     #[arg(long, help = about::<Reflection>(), value_parser = levels::<Reflection>(), help_heading = "Light")]
     pub reflection: Option<Reflection>,
@@ -81,9 +72,6 @@ pub(in crate::cli) struct RenderArgs {
 
     #[arg(long, help = about::<Proxy>(), value_parser = levels::<Proxy>(), help_heading = "Light")]
     pub proxy: Option<Proxy>,
-
-    #[arg(long, help = about_with::<ShadowRule>("as in the scene"), value_parser = levels::<ShadowRule>(), help_heading = "Light")]
-    pub shadows: Option<ShadowRule>,
 
     /// Exact spheres, or as meshes of so many bands [default: exact]
     #[arg(long, value_name = "exact|BANDS", value_parser = spheres, help_heading = "Light")]

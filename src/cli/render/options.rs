@@ -61,9 +61,9 @@ impl TryFrom<RenderArgs> for Render {
 
     fn try_from(args: RenderArgs) -> Result<Self> {
         let effects = effects::effects(&args.effects)?;
-        let bent = args.refraction.is_some_and(|r| r != RefractionModel::Stable).then_some("--refraction");
+        let bent = args.optics.refraction.is_some_and(|r| r != RefractionModel::Stable).then_some("--refraction");
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
-        let straight = matches!(args.shadows, Some(ShadowRule::Straight)).then_some("--shadows straight");
+        let straight = matches!(args.optics.shadows, Some(ShadowRule::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
         let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
@@ -86,10 +86,10 @@ impl TryFrom<RenderArgs> for Render {
             )));
         }
         let fixed = [
-            (Axis::Fresnel, args.fresnel.is_some()),
-            (Axis::Refraction, args.refraction.is_some()),
+            (Axis::Fresnel, args.optics.fresnel.is_some()),
+            (Axis::Refraction, args.optics.refraction.is_some()),
             (Axis::Reflection, args.reflection.is_some()),
-            (Axis::Shadows, args.shadows.is_some()),
+            (Axis::Shadows, args.optics.shadows.is_some()),
             (Axis::Spheres, args.spheres.is_some()),
             (Axis::Cutoff, args.settings.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.settings.depth.is_some()),
@@ -117,15 +117,15 @@ impl TryFrom<RenderArgs> for Render {
             format,
             bits: args.bits.unwrap_or_default(),
             exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
-            overrides: Overrides::new(args.settings, args.shadows),
+            overrides: Overrides::new(args.settings, args.optics.shadows),
             spheres: args.spheres.unwrap_or(Spheres::Exact),
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
             backend,
             bvh: args.bvh.unwrap_or_default(),
             options: render::Options {
-                fresnel: args.fresnel.unwrap_or_default(),
-                refraction: refraction(args.refraction, args.oliveira)?,
+                fresnel: args.optics.fresnel.unwrap_or_default(),
+                refraction: refraction(args.optics.refraction, args.optics.oliveira)?,
                 reflection: args.reflection.unwrap_or_default(),
                 proxy,
                 maps: None,
@@ -148,7 +148,7 @@ impl TryFrom<RenderArgs> for Render {
 /// # Errors
 /// Usage, where they would have.
 fn refuse_carried(args: &RenderArgs) -> Result<()> {
-    let flag = match (args.fresnel, args.cutoff_error) {
+    let flag = match (args.optics.fresnel, args.cutoff_error) {
         (Some(FresnelModel::Polarised), _) => "--fresnel polarised",
         (_, Some(_)) => "--cutoff-error",
         _ => return Ok(()),
@@ -175,10 +175,10 @@ fn proxy(args: &RenderArgs) -> Result<Proxy> {
     }
 }
 
-/// How many mirrors in a row a camera is mirrored in.
+/// Returns the largest number of mirrors in a row in which the camera is mirrored.
 ///
 /// # Errors
-/// Usage, where no camera is mirrored.
+/// [`Error::Usage`] if a number is given without `--reflection planar`.
 fn mirror_levels(args: &RenderArgs) -> Result<u32> {
     match (args.mirror_levels, args.reflection) {
         (Some(_), Some(Reflection::Planar)) | (None, _) => Ok(args.mirror_levels.unwrap_or(u32::MAX)),
@@ -188,11 +188,11 @@ fn mirror_levels(args: &RenderArgs) -> Result<u32> {
     }
 }
 
-/// What traces rays.
+/// Returns the renderer.
 ///
 /// # Errors
-/// Usage, where a triangle test or a reciprocal is chosen for a back end that has its own; a limit, where this build has
-/// no Embree.
+/// - [`Error::Usage`] if a triangle test or a reciprocal is chosen for a back end that has its own.
+/// - [`Error::Limit`] if this build has no Embree.
 fn backend(args: &RenderArgs) -> Result<Renderer> {
     let flag = match (args.triangles, args.reciprocal) {
         (Some(_), _) => "--triangles",
