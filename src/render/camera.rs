@@ -35,8 +35,8 @@ impl Lens {
         Self::framed(camera, width, height, camera.eye, |direction| direction)
     }
 
-    /// The lens of the mirror image of `camera`: its eye and its frame through the matrix, in `f64`. Of an odd number of
-    /// mirrors the frame is left-handed, so that each pixel sees what the mirror shows there.
+    /// Returns the lens of the mirror image of `camera`: its eye and its frame through the matrix, in `f64`. An odd number of
+    /// mirrors gives a left-handed frame, so that each pixel sees what the mirror shows there.
     #[must_use]
     pub fn mirrored(camera: &Camera, width: u32, height: u32, mirror: &PlanarReflection<f64>) -> Self {
         let eye = DVec3::from(mirror.point(camera.eye.as_dvec3().into())).as_vec3();
@@ -44,9 +44,7 @@ impl Lens {
     }
 
     fn framed(camera: &Camera, width: u32, height: u32, eye: Vec3, turned: impl Fn(DVec3) -> DVec3) -> Self {
-        let forward = (camera.target.as_dvec3() - camera.eye.as_dvec3()).normalize();
-        let right = forward.cross(camera.up.as_dvec3()).normalize();
-        let up = right.cross(forward);
+        let [right, up, forward] = camera.frame();
         let (pinhole, half_extent) = match camera.projection {
             Projection::Pinhole { vfov } => (true, (f64::from(vfov).to_radians() * 0.5).tan()),
             Projection::Orthographic { height } => (false, f64::from(height) * 0.5),
@@ -93,7 +91,7 @@ impl Lens {
         if self.pinhole { (eye, (forward + offset).normalized()) } else { (eye + offset, forward) }
     }
 
-    /// Unit directions of the texels of an environment map.
+    /// Returns unit directions of the texels of an environment map.
     #[cold]
     fn texels8(&self, kind: MapKind, rows: u32, x: F32x8, y: F32x8) -> Vec3x8 {
         let mut out = Vec3x8::splat(self.forward);

@@ -1,4 +1,4 @@
-//! Environment maps taken by the renderer itself, of each reflector's surroundings.
+//! Capture of the environment maps of reflectors by the renderer itself.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -12,19 +12,19 @@ use crate::scene::{Camera, MapKind, Projection, Scene, Texture};
 use crate::systems::maps::{Maps, ReflectorMap, Surroundings, Wanted, directions};
 use crate::{Error, Result};
 
-/// Directions a side of each face, along which surroundings are looked for.
+/// Directions per side of a cube's face along which the distance of the surroundings is measured.
 const LOOKS: u32 = 16;
 
-/// What takes maps: a renderer and its hierarchy.
+/// A renderer and its hierarchy, which capture maps.
 pub(super) trait Taker {
-    /// The picture of a view in which camera rays pass by an object.
+    /// Renders a view in which camera rays pass through an object as if it were not there.
     fn picture(&self, view: &Scene, options: &Options) -> Result<Film>;
 
-    /// Distances to what rays from a point meet beside an object; infinite where that is nothing.
+    /// Returns the distances of the closest hits on anything but an object along unit directions; infinite for a miss.
     fn distances(&self, from: Vec3, dirs: &[Vec3], object: u32) -> Vec<f32>;
 }
 
-/// Maps, and the time they took.
+/// Captured maps, and the time of their capture.
 #[derive(Debug)]
 pub(super) struct Taken {
     pub maps: Arc<Maps>,
@@ -32,7 +32,11 @@ pub(super) struct Taken {
 }
 
 impl Taken {
-    /// Takes the maps that the options ask for, unless they bring them; none where they ask for none.
+    /// Captures the maps for `options.reflection`, unless `options.maps` has them. Returns none if no maps are needed.
+    ///
+    /// # Errors
+    /// - [`Error::Usage`] if `options.maps` are of the other kind.
+    /// - Errors of the renderer.
     pub fn of(scene: &Scene, options: &Options, taker: &impl Taker) -> Result<Option<Self>> {
         let kind = match options.reflection {
             Reflection::CubeMap => MapKind::Cube,
@@ -54,7 +58,7 @@ impl Taken {
         Ok(Some(Self { maps: Arc::new(maps), time: start.elapsed() }))
     }
 
-    /// What is told of them. `traced` reflections were traced for want of a map.
+    /// Returns the report on the maps. `traced` is the number of reflections that had no map and were traced.
     pub fn report(&self, traced: u64) -> MapsReport {
         MapsReport { maps: self.maps.clone(), time: self.time, traced }
     }
@@ -85,7 +89,7 @@ fn take(scene: &Scene, kind: MapKind, options: &Options, taker: &impl Taker) -> 
         list.push(ReflectorMap {
             object,
             centre,
-            frame: frame(&view.camera),
+            frame: axes(&view.camera),
             picture: texture(&scene.objects[object as usize].name, film),
             surroundings: Surroundings::of(looks.iter().copied().zip(distances)),
         });
@@ -93,11 +97,10 @@ fn take(scene: &Scene, kind: MapKind, options: &Options, taker: &impl Taker) -> 
     Ok(Maps::new(scene, kind, list, without))
 }
 
-/// From the scene's frame to that of the camera: x right, y up, z backwards.
-fn frame(camera: &Camera) -> Mat3 {
-    let forward = (camera.target - camera.eye).normalize();
-    let right = forward.cross(camera.up).normalize();
-    Mat3::from_cols(right, right.cross(forward), -forward).transpose()
+/// Returns the rotation from the scene's axes to those of a camera's map: x right, y up, z backwards.
+fn axes(camera: &Camera) -> Mat3 {
+    let [right, up, forward] = camera.frame();
+    Mat3::from_cols(right.as_vec3(), up.as_vec3(), -forward.as_vec3()).transpose()
 }
 
 fn texture(name: &str, film: Film) -> Texture {

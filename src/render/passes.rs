@@ -1,10 +1,10 @@
 //! Planar mirrors by matrix: cameras mirrored in what a camera sees, and masks of the pixels that each of them fills.
 //!
-//! A pass is the scene as a mirror shows it: through the matrix of the slides the camera's eye and frame become their
-//! mirror image. What lies on the eye's side of the mirror is clipped away, since the rays of the image begin at the
-//! mirror's plane, and the mask lets through those pixels alone in which the mirror was seen. A mirror seen in a pass has a
-//! pass of its own, whose matrix is the product and whose mask is what the outer mask left of it: levels of a hall of
-//! mirrors. All rays of a pass come from one point and go through neighbouring pixels, as camera rays do.
+//! A pass is the scene as a mirror shows it: the matrix of the slides turns the camera's eye and frame into their mirror
+//! image. The rays of the image begin at the mirror's plane, which clips away everything on the eye's side. The mask selects
+//! the pixels in which the mirror was seen. A mirror seen in a pass has a pass of its own: its matrix is the product, and its
+//! mask lies within the outer one. So passes are the levels of a hall of mirrors. All rays of a pass come from one point and
+//! go through neighbouring pixels, as camera rays do.
 
 use super::camera::Lens;
 use super::media::StackId;
@@ -13,21 +13,17 @@ use super::queue::{Chunk, Rgb8, State8};
 use super::surface::Surface8;
 use super::tile::Tile;
 use crate::geometry::Ray8;
-use crate::math::Real;
+use crate::math::{Real, UNIT_ROUNDOFF};
 use crate::optics::PlanarReflection;
 use crate::scene::{Rgb, Scene};
-use crate::simd::set_lanes;
-use crate::simd::{F32x8, Vec3x8};
+use crate::simd::{F32x8, Vec3x8, set_lanes};
 use crate::systems::planar::{Mirror, Mirrors};
 
-/// Half the spacing of `f32` above 1.
-const UNIT: f32 = f32::EPSILON / 2.0;
-
-/// Roundings of coordinates of the eye and the mirror between them and a hit's parameter: the mirrored eye, the mirror's
-/// corners, their difference, the products of an intersection test and their sum, each along three axes.
+/// Roundings between the coordinates of eye and mirror and the parameter of a hit, along three axes. They are those of the
+/// mirrored eye, the mirror's corners, their difference, and the products of an intersection test and their sum.
 const ROUNDINGS: f32 = 16.0;
 
-/// Cameras, what they still have to see, and what was counted of them.
+/// Mirrored cameras, the masks of pixels that they still have to render, and their counts.
 #[derive(Debug, Default)]
 pub struct Passes<'a> {
     mirrors: Option<&'a Mirrors>,
@@ -62,12 +58,12 @@ struct Masked {
     pixel: u32,
     weight: Rgb,
     stack: StackId,
-    /// How far above the mirror nothing is seen, in scene units: what a ray from the surface would keep off it.
+    /// Height above the mirror below which hits are clipped, in scene units: the offset of a reflected ray's origin.
     clear: f32,
 }
 
 impl<'a> Passes<'a> {
-    /// Cameras in these mirrors, at most so many mirrors in a row.
+    /// Creates the passes for mirrors, with at most `levels` mirrors in a row.
     pub fn new(mirrors: &'a Mirrors, levels: u32) -> Self {
         Self { mirrors: Some(mirrors), levels, ..Self::default() }
     }
@@ -82,7 +78,7 @@ impl<'a> Passes<'a> {
         self.at.is_some()
     }
 
-    /// Forgets all passes but the camera's, whose rays come next.
+    /// Drops all passes except the camera's, whose rays come next.
     pub fn begin(&mut self) {
         self.tree.clear();
         self.tree.push(Pass {
@@ -95,12 +91,12 @@ impl<'a> Passes<'a> {
         self.at = Some(0);
     }
 
-    /// Other rays come next.
+    /// Marks the following rays as belonging to no pass.
     pub fn leave(&mut self) {
         self.at = None;
     }
 
-    /// Rays of pass `number` come next, where there is one; its level.
+    /// Starts the rays of pass `number`. Returns its level, or none if there is no such pass.
     pub fn enter(&mut self, number: usize) -> Option<usize> {
         let level = self.tree.get(number)?.level;
         self.at = Some(number);
@@ -167,8 +163,8 @@ impl<'a> Passes<'a> {
         pass
     }
 
-    /// Fills a chunk with the rays of the pass at hand through the next pixels of its mask, `packets` of eight at most, each
-    /// at the offset given from its corner. True if there were any.
+    /// Fills a chunk with rays of the current pass through the next pixels of its mask, at the given offset in the pixel. It
+    /// takes at most `packets` packets. Returns true if there were any.
     pub fn rays(
         &mut self,
         scene: &Scene,
@@ -213,7 +209,7 @@ fn clip(mirror: &Mirror, origin: Vec3x8, dir: Vec3x8, clear: F32x8) -> (F32x8, F
     let height = (point - origin).dot(normal);
     let speed = dir.dot(normal);
     let magnitude = normal.abs().dot(point.abs() + origin.abs());
-    let margin = clear + F32x8::from(mirror.spread as f32) + magnitude * F32x8::from(ROUNDINGS * UNIT);
+    let margin = clear + F32x8::from(mirror.spread as f32) + magnitude * F32x8::from(ROUNDINGS * UNIT_ROUNDOFF);
     let t = height / speed;
     (t, t + margin / speed.abs())
 }

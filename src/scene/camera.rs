@@ -1,6 +1,6 @@
 //! Camera of a scene.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::MapKind;
 
@@ -35,6 +35,16 @@ pub enum Projection {
     /// Rays leave one point in all directions, as the texels of an environment map show them; the camera's frame is that of
     /// the map, and the picture has its shape.
     Map(MapKind),
+}
+
+impl Camera {
+    /// Returns the unit vectors to the right, up and forward in the picture.
+    #[must_use]
+    pub fn frame(&self) -> [DVec3; 3] {
+        let forward = (self.target.as_dvec3() - self.eye.as_dvec3()).normalize();
+        let right = forward.cross(self.up.as_dvec3()).normalize();
+        [right, right.cross(forward), forward]
+    }
 }
 
 impl Default for Camera {

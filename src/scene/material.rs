@@ -71,6 +71,19 @@ impl Material {
         self.diffuse != Colour::Constant(Rgb::ZERO) || self.highlight.is_some()
     }
 
+    /// Returns true if the surface reflects its surroundings.
+    #[must_use]
+    pub fn reflects(&self) -> bool {
+        match self.interface {
+            Interface::Mirror { source, .. } => source == MirrorSource::Traced,
+            Interface::Conductor { .. }
+            | Interface::Dielectric { .. }
+            | Interface::ThinDielectric { .. }
+            | Interface::Coated { .. } => true,
+            Interface::Opaque | Interface::Alpha { .. } => false,
+        }
+    }
+
     /// Returns true if light passes through the surface; shadow rays march through it.
     #[must_use]
     pub fn is_transmissive(&self) -> bool {

@@ -8,7 +8,7 @@ use crate::geometry::Shape;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
-use crate::scene::{Interface, MirrorSource, Scene, ShadowRule};
+use crate::scene::{Interface, Material, Scene, ShadowRule};
 use crate::simd::ReciprocalModel;
 
 crate::choice! {
@@ -152,16 +152,11 @@ impl Axis {
             Self::Refraction if !any(|i| matches!(i, Interface::Dielectric { .. })) => {
                 Some("no material of the scene bends light")
             }
-            Self::Reflection
-                if !any(|i| match i {
-                    Interface::Mirror { source, .. } => *source == MirrorSource::Traced,
-                    other => !matches!(other, Interface::Opaque | Interface::Alpha { .. }),
-                }) =>
-            {
+            Self::Reflection if !scene.materials.iter().any(Material::reflects) => {
                 Some("no material of the scene reflects")
             }
             Self::Shadows if !scene.lights.iter().any(|l| l.shadows) => Some("no light of the scene casts shadows"),
-            Self::Shadows if !scene.materials.iter().any(crate::scene::Material::is_transmissive) => {
+            Self::Shadows if !scene.materials.iter().any(Material::is_transmissive) => {
                 Some("nothing in the scene lets light through")
             }
             Self::Spheres if !scene.geometry.iter().any(|g| matches!(g.shape, Shape::Sphere(_))) => {

@@ -1,14 +1,10 @@
-//! The lecture notes' reflection systems, which are older than a ray for each pixel: what they need to know of a scene,
-//! and their arithmetic.
+//! Reflection systems of the lecture notes, which trace no reflected rays: their facts of a scene and their arithmetic.
 //!
-//! A system finds what a mirror shows without tracing reflected rays. [`planar`] has the mirrors that a matrix serves, [`maps`] the
-//! environment maps of reflectors. The
-//! renderer shades what the systems find by the same stages as any other picture (`render`), so that the picture differs
-//! from the traced one by what the system gets wrong and by nothing else.
+//! [`planar`] finds the mirrors that a matrix serves, [`maps`] holds the environment maps of reflectors, and [`alhazen`]
+//! solves for the reflection point on a ball. `render` shades their results by the stages of any other picture. So a picture
+//! differs from the traced one by the error of the system alone.
 
 pub mod alhazen;
 pub mod maps;
 pub mod planar;
 mod reflector;
-
-pub use reflector::reflects;

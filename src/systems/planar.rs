@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::reflector::reflectors;
 use crate::geometry::{Shape, TriMesh};
+use crate::math::UNIT_ROUNDOFF;
 use crate::optics::PlanarReflection;
 use crate::scene::Scene;
 
@@ -18,8 +19,8 @@ const ROUNDINGS: f64 = 16.0;
 /// By how much the length of the cross product of an interpolated normal and that of its plane may differ from 0.
 const NORMAL_ROUNDINGS: f64 = 16.0 * UNIT;
 
-/// Half the spacing of `f32` above 1.
-const UNIT: f64 = 5.960_464_477_539_063e-8;
+/// [`UNIT_ROUNDOFF`] of `f32` in `f64`.
+const UNIT: f64 = UNIT_ROUNDOFF as f64;
 
 /// A plane that reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +31,12 @@ pub struct Mirror {
     pub point: DVec3,
     /// Unit normal.
     pub normal: DVec3,
-    /// How far the corners of its triangles lie off it at most, in scene units.
+    /// Largest distance of a corner of its triangles from the plane, in scene units.
     pub spread: f64,
 }
 
 impl Mirror {
-    /// The matrix of the slides, with V of unit length.
+    /// Returns the reflection matrix of the slides, with V of unit length.
     #[must_use]
     pub fn matrix(&self) -> PlanarReflection<f64> {
         PlanarReflection::new(self.point.into(), self.normal.into())
@@ -88,13 +89,13 @@ const NONE: u32 = u32::MAX;
 pub struct Mirrors {
     /// All of them.
     pub list: Vec<Mirror>,
-    /// Reflectors that are none, with the reasons.
+    /// Reflectors that are not planar, with the reasons.
     pub curved: Vec<(u32, Curved)>,
     faces: Vec<Faces>,
 }
 
 impl Mirrors {
-    /// The mirrors among the faces of everything that reflects.
+    /// Finds the planar mirrors among the faces of all reflectors.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut mirrors = Self { list: Vec::new(), curved: Vec::new(), faces: Vec::new() };
@@ -152,7 +153,7 @@ struct Flat {
 struct Patch {
     /// Twice the area, along the normal.
     area: DVec3,
-    /// Where it is, times twice the area.
+    /// Centroid times twice the area.
     moment: DVec3,
 }
 

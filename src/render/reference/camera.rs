@@ -8,9 +8,7 @@ use crate::scene::{Camera, Projection, Settings};
 /// upper left corner, so pixel (i, j) is centred at (i + 0.5, j + 0.5).
 pub(super) fn ray(camera: &Camera, settings: &Settings, x: f64, y: f64) -> (DVec3, DVec3) {
     let eye = camera.eye.as_dvec3();
-    let forward = (camera.target.as_dvec3() - eye).normalize();
-    let right = forward.cross(camera.up.as_dvec3()).normalize();
-    let up = right.cross(forward);
+    let [right, up, forward] = camera.frame();
     let (width, height) = (f64::from(settings.width), f64::from(settings.height));
     // From -1 to 1 over the picture's height; pixels are square.
     let across = (2.0 * x - width) / height;
