@@ -129,7 +129,7 @@ impl Shortfall {
         let budget = (outcome.rays.total() / RAYS).clamp(FEW_RAYS, MOST_RAYS);
         let copy = Scene::clone(&scene);
         let own = copy.settings.clone();
-        Search { scene: copy, own, outcome, light, candidates, allowed, again, left: budget }.run()
+        Search { scene: copy, own, outcome, light, candidates, allowed, again, left: budget, spent: 0 }.run()
     }
 }
 
@@ -169,6 +169,8 @@ struct Search<'a> {
     again: &'a Renderer<'a>,
     /// Rays that may still be traced.
     left: u64,
+    /// Rays that the last render took.
+    spent: u64,
 }
 
 /// Limits as steps from the picture's own.
@@ -189,7 +191,6 @@ impl Search<'_> {
         let mut truth: Option<(Steps, Vec<PixelMean>)> = None;
         // Rendered again as well, since the picture may be another renderer's.
         let mut narrow = self.render_some(self.own.clone(), &sample, self.left / 4)?;
-        let (mut before, mut last) = (self.left, 0);
         let mut seen = self.render_some(self.settings([1; 2]), &sample[..narrow.len()], self.left / 2)?;
         if seen.len() < sample.len() && seen.len() >= FEWEST {
             // Part of the sample tells more than the bound.
@@ -204,11 +205,12 @@ impl Search<'_> {
             }
             if step > 1 {
                 // Wider limits take more rays than the last ones.
-                let Some(wider) = self.render_within(self.settings([step; 2]), &sample, last)? else { break };
+                if self.spent >= self.left {
+                    break;
+                }
+                let Some(wider) = self.render(self.settings([step; 2]), &sample)? else { break };
                 seen = wider;
             }
-            last = before - self.left;
-            before = self.left;
             lacks = narrow.iter().zip(&seen).map(|(narrow, wide)| self.lacks(narrow, wide)).collect();
             let unknown: Vec<f64> = seen.iter().map(|wide| self.light.at_most(wide.truncated, wide.radiance)).collect();
             truth = Some(([step; 2], seen.clone()));
@@ -333,12 +335,6 @@ impl Search<'_> {
         }
     }
 
-    /// Renders some pixels under other settings, which take at least as many rays as `least`. Returns none if that is more
-    /// than are left.
-    fn render_within(&mut self, settings: Settings, which: &[usize], least: u64) -> Result<Option<Vec<PixelMean>>> {
-        if least >= self.left { Ok(None) } else { self.render(settings, which) }
-    }
-
     /// Renders some pixels under other settings. Returns none if that takes more rays than are left.
     fn render(&mut self, settings: Settings, which: &[usize]) -> Result<Option<Vec<PixelMean>>> {
         if self.left == 0 {
@@ -354,16 +350,16 @@ impl Search<'_> {
         let places: Vec<[u32; 2]> = which.iter().map(|i| [(i % width) as u32, (i / width) as u32]).collect();
         let mut pixels = Vec::with_capacity(places.len());
         self.scene.settings = settings;
-        let mut spent = 0;
+        self.spent = 0;
         for part in places.chunks(PART) {
             let seen = (self.again)(&self.scene, part)?;
             pixels.extend(seen.pixels);
-            spent += seen.rays;
-            if spent >= most {
+            self.spent += seen.rays;
+            if self.spent >= most {
                 break;
             }
         }
-        self.left = self.left.saturating_sub(spent);
+        self.left = self.left.saturating_sub(self.spent);
         Ok(pixels)
     }
 
