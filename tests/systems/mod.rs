@@ -38,7 +38,7 @@ fn difference(a: &Film, b: &Film, pixel: usize) -> f32 {
     a.pixels[pixel].iter().zip(b.pixels[pixel]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// Whether a pixel of a picture differs from a neighbour by more than `step`, or lies at its border.
+/// Returns true if a pixel of a picture differs from a neighbour by more than `step`, or lies at its border.
 fn is_at_edge(film: &Film, pixel: usize, step: f32) -> bool {
     let (w, h) = (film.width as usize, film.height as usize);
     let (x, y) = (pixel % w, pixel / w);
