@@ -50,14 +50,14 @@ impl<R: Real> PlanarReflection<R> {
         Self { rows: self.rows.map(row) }
     }
 
-    /// What the map does to volumes: -1 where it flips winding, 1 where it keeps it.
+    /// Returns the determinant of the linear part: -1 for an odd number of reflections, which flip winding, else 1.
     #[must_use]
     pub fn determinant(&self) -> R {
         let [x, y, z] = self.rows.map(|[a, b, c, _]| Vector3::new(a, b, c));
         x.dot(y.cross(z))
     }
 
-    /// Where the mirror image of a point is.
+    /// Returns the mirror image of a point.
     #[inline(always)]
     #[must_use]
     pub fn point(&self, p: Vector3<R>) -> Vector3<R> {

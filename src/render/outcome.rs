@@ -67,17 +67,17 @@ pub struct PlanarReport {
     pub curved: Vec<(u32, String)>,
 }
 
-/// What the mirrors of one level came to.
+/// Counts of the mirrors of one level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MirrorLevel {
     /// Mirrored cameras, counted in each tile.
     pub passes: u64,
     /// Their rays.
     pub rays: u64,
-    /// The sum of the rays' weights, each by its largest channel. Over the camera's rays this is what a picture that ended at the level
-    /// before would lack of light of radiance 1, on average.
+    /// Sum of the largest channels of the rays' weights. Divided by the number of camera rays, it is the mean light that a
+    /// picture without this level would lack if everything had a radiance of 1.
     pub weight: f64,
-    /// The largest of the weights: what it would lack at most.
+    /// Largest of these weights.
     pub heaviest: f32,
 }
 

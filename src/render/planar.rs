@@ -16,19 +16,19 @@ pub(super) struct PlanarCounts {
 }
 
 impl PlanarCounts {
-    /// Those of a thread.
+    /// Returns the counts of a thread.
     pub fn of(passes: &Passes) -> Self {
         Self { levels: passes.counts.clone(), elsewhere: passes.elsewhere }
     }
 
-    /// Adds those of another.
+    /// Adds the counts of another thread.
     pub fn merge(&mut self, o: &Self) {
         self.levels.resize(self.levels.len().max(o.levels.len()), MirrorLevel::default());
         self.levels.iter_mut().zip(&o.levels).for_each(|(level, other)| level.merge(other));
         self.elsewhere += o.elsewhere;
     }
 
-    /// The report on the mirrors of a scene.
+    /// Returns the report on the mirrors of a scene.
     pub fn of_mirrors(self, mirrors: &Mirrors) -> PlanarReport {
         PlanarReport {
             mirrors: mirrors.list.len(),

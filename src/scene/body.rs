@@ -10,7 +10,7 @@ const EQUAL_VOLUMES: f64 = 1e-5;
 
 /// Transparent bodies of a scene, ranked.
 ///
-/// Where bodies overlap, the one of the highest rank fills the space. Rank is decided by the highest priority, then the
+/// The body of the highest rank fills the space in which bodies overlap. Rank is decided by the highest priority, then the
 /// smaller closed volume, then the higher index, then the stronger absorption. So a bubble is air and a stone in water
 /// is stone, in whatever order the surfaces are hit. Objects of one medium form one body unless an object of another
 /// medium comes between them in rank.

@@ -1,8 +1,8 @@
 //! Alhazen's problem: the point of a spherical mirror in which an eye sees another point.
 //!
-//! The point lies in the plane of the centre, the eye and the other point. With both at distances `a` and `b` from the
-//! centre, in radii, and an angle `phi` between them, the angle `x` of the mirror point from the eye satisfies
-//! `a b sin(2 x - phi) = a sin x - b sin(phi - x)`. Seen from outside there is one such point between the two. Seen from
+//! The point lies in the plane of the centre, the eye and the other point. Both are at
+//! distances `a` and `b` from the centre, in radii, with an angle `phi` between them. The angle `x` of the mirror point from
+//! the eye satisfies `a b sin(2 x - phi) = a sin x - b sin(phi - x)`. Seen from outside there is one such point between the two. Seen from
 //! inside there are two or four.
 
 use glam::DVec3;
@@ -106,7 +106,7 @@ impl MirrorBall {
         Some(MirrorPoint { point: self.centre + normal * self.radius, normal, seen: a * x.cos() > 1.0 })
     }
 
-    /// How many points of the inside of the ball show an eye in it another point in it.
+    /// Returns the number of points on the inside of the ball that show an eye inside it another point inside it.
     #[must_use]
     pub fn mirror_points_inside(&self, eye: DVec3, other: DVec3) -> usize {
         let (problem, ..) = self.planar(eye, other);
@@ -114,8 +114,8 @@ impl MirrorBall {
         (0..1024).filter(|&i| (at(i) < 0.0) != (at(i + 1) < 0.0)).count()
     }
 
-    /// Where an eye outside the ball sees a point in it: the mirror image in the plane that touches the ball in the mirror
-    /// point (Ofek & Rappoport 1998). It lies on the line of view, as far behind the mirror as the point is before it.
+    /// Returns the place at which an eye outside the ball sees the reflection of a point: the mirror image in the plane that
+    /// touches the ball in the mirror point (Ofek & Rappoport 1998). It lies on the line of view, as far behind the mirror as the point is before it.
     #[must_use]
     pub fn virtual_point(&self, eye: DVec3, other: DVec3) -> Option<(DVec3, MirrorPoint)> {
         let mirror = self.mirror_point(eye, other)?;

@@ -28,7 +28,7 @@ crate::choice! {
     }
 }
 
-/// How far the surroundings of a point are.
+/// Distances of the surroundings of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
     /// Distances of the sides of a box, along -x, -y, -z, in scene units; infinite where nothing is.
@@ -40,8 +40,8 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// From distances that rays of unit direction went. A shift of the start turns the direction to what is met by an angle
-    /// that falls with the distance, so that the mean of one over it counts.
+    /// Fits the surroundings to unit directions and the distances of their hits. A shift of the origin turns the direction to
+    /// a hit by an angle proportional to 1 / distance, so the harmonic mean is taken.
     #[must_use]
     pub fn of(rays: impl Iterator<Item = (Vec3, f32)>) -> Self {
         let mut sides = [(0.0, 0_u32); 6];
@@ -58,7 +58,8 @@ impl Surroundings {
         Self { below: side(0), above: side(1), radius: mean(ball) }
     }
 
-    /// Where a ray from `start`, relative to the centre, leaves the box; none where it goes on for ever.
+    /// Returns the point, relative to the centre, at which a ray from `start` leaves the box. Returns none if the box is
+    /// infinite in its direction.
     fn leaves_box(&self, start: Vec3, dir: Vec3) -> Option<Vec3> {
         let start = start.clamp(-self.below, self.above);
         let t = (0..3).fold(f32::INFINITY, |t, k| {
@@ -68,7 +69,8 @@ impl Surroundings {
         t.is_finite().then(|| start + dir * t)
     }
 
-    /// Where it leaves the sphere; none where it starts outside or the sphere is infinite.
+    /// Returns the point at which a ray from `start` leaves the sphere. Returns none if it starts outside or the sphere is
+    /// infinite.
     fn leaves_sphere(&self, start: Vec3, dir: Vec3) -> Option<Vec3> {
         let along = start.dot(dir);
         let inside = self.radius * self.radius - start.length_squared();
@@ -84,13 +86,13 @@ impl Surroundings {
 pub struct ReflectorMap {
     /// The object.
     pub object: u32,
-    /// What it was taken from, in scene units.
+    /// Point from which it was captured, in scene units.
     pub centre: Vec3,
     /// From the scene's frame to the map's.
     pub frame: Mat3,
     /// Its texels.
     pub picture: Texture,
-    /// How far what it shows is.
+    /// Distances of its surroundings.
     pub surroundings: Surroundings,
 }
 
@@ -106,19 +108,19 @@ pub struct Maps {
     of_object: Vec<Option<u32>>,
 }
 
-/// A map that is to be taken.
+/// A map to capture.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
     /// The reflector.
     pub object: u32,
-    /// Where from.
+    /// Point from which it is captured.
     pub centre: Vec3,
     /// Rows of the map.
     pub size: u32,
 }
 
 impl Maps {
-    /// The maps that a scene wants, and the reflectors that can have none.
+    /// Returns the maps to capture for a scene, and the reflectors without a map, with the reasons.
     #[must_use]
     pub fn wanted(scene: &Scene, kind: MapKind) -> (Vec<Wanted>, Vec<(u32, &'static str)>) {
         let (mut wanted, mut without) = (Vec::new(), Vec::new());
@@ -141,7 +143,7 @@ impl Maps {
         (wanted, without)
     }
 
-    /// Maps that were taken.
+    /// Collects captured maps.
     #[must_use]
     pub fn new(scene: &Scene, kind: MapKind, list: Vec<ReflectorMap>, without: Vec<(u32, &'static str)>) -> Self {
         let mut of_object = vec![None; scene.objects.len()];
@@ -151,14 +153,14 @@ impl Maps {
         Self { kind, list, without, of_object }
     }
 
-    /// The map of an object.
+    /// Returns the map of an object.
     #[inline]
     #[must_use]
     pub fn of(&self, object: u32) -> Option<&ReflectorMap> {
         self.of_object.get(object as usize).copied().flatten().map(|i| &self.list[i as usize])
     }
 
-    /// The colour seen from a point of a reflector in a direction of unit length.
+    /// Returns the radiance along a unit direction from a point of a reflector.
     #[must_use]
     pub fn look_up(&self, map: &ReflectorMap, proxy: Proxy, point: Vec3, dir: Vec3) -> Rgb {
         let start = point - map.centre;
@@ -172,8 +174,8 @@ impl Maps {
     }
 }
 
-/// Rows of a map in which a texel is as wide as what a pixel shows of it: neighbouring pixels of a ball of radius `r` at the
-/// distance `d` see directions apart by the angle `a` of a pixel and by twice the turn of the normal, `a d / r`.
+/// Returns the rows of a map whose texels are as wide as the angle that a pixel shows of them. Neighbouring pixels on a ball
+/// of radius `r` at distance `d` differ in direction by the angle `a` of a pixel plus twice the turn of the normal, `a d / r`.
 fn size(scene: &Scene, kind: MapKind, bounds: &Aabb) -> u32 {
     let camera = &scene.camera;
     let radius = f64::from(bounds.diagonal()) * 0.5;
@@ -198,7 +200,7 @@ fn size(scene: &Scene, kind: MapKind, bounds: &Aabb) -> u32 {
     }
 }
 
-/// Directions spread evenly over the faces of a cube, `n` by `n` a face.
+/// Returns unit directions spread evenly over the faces of a cube, `n` by `n` per face.
 #[must_use]
 pub fn directions(n: u32) -> Vec<Vec3> {
     let at = |p: u32| MapKind::Cube.direction(f64::from(p % (6 * n)) + 0.5, f64::from(p / (6 * n)) + 0.5, n);

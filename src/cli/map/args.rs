@@ -44,7 +44,7 @@ pub(in crate::cli) struct MapArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub samples: Option<u32>,
 
-    /// What traces the rays [default: embree where built in, else native]
+    /// Back end that traces rays [default: embree where built in, else native]
     #[arg(long, value_enum)]
     pub backend: Option<Renderer>,
 

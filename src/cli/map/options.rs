@@ -1,4 +1,4 @@
-//! What map is to be written.
+//! Validated options of `vitrum map`.
 
 use std::path::PathBuf;
 

@@ -29,8 +29,8 @@ pub(super) struct Start {
 }
 
 impl<L: Recorder> Tracer<'_, '_, L> {
-    /// Sends what is reflected as a ray of the camera's image in the mirror that was met; as any other where the ray that met
-    /// it is no camera's, or the mirror is not planar.
+    /// Sends the reflection of a ray of the camera, or of an image of it, in a planar mirror as a ray of the camera's mirror
+    /// image. Traces any other reflection.
     pub(super) fn reflected_by_matrix(&mut self, at: &Arrival, lobe: Lobe) {
         let kind = RayKind::Reflected;
         let Some((dir, start)) = self.prepared.image_of(at) else {
@@ -48,7 +48,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         self.branches.push(Branch { kind, dir, weight, nm: at.ray.nm, stack, polarisation, start: Some(start) });
     }
 
-    /// Looks what is reflected up in the map of the reflector; sends a ray where there is none, or inside a body.
+    /// Looks the reflection up in the map of the reflector. Traces it if there is no map, or inside a body.
     pub(super) fn reflected_in_map(&mut self, at: &Arrival, lobe: Lobe) {
         let (prepared, object) = (self.prepared, at.id.0);
         let front = at.geometric.dot(at.surface.outward) > 0.0;
@@ -64,7 +64,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
 }
 
 impl Prepared<'_> {
-    /// Returns the nearest hit of a ray. Camera rays pass the object that they are asked to pass.
+    /// Returns the nearest hit of a ray. Camera rays pass through the object `past`, if any.
     pub(super) fn nearest(&self, ray: &Ray64, kind: RayKind) -> Hit64 {
         match self.past.filter(|_| kind == RayKind::Camera) {
             Some(object) => past(&self.accel, ray, object),
@@ -72,7 +72,7 @@ impl Prepared<'_> {
         }
     }
 
-    /// The direction and the start of the mirror image of a ray that met a mirror.
+    /// Returns direction and start of the mirror image of a ray that hit a planar mirror.
     fn image_of(&self, at: &Arrival) -> Option<(DVec3, Start)> {
         let (mirrors, image) = (self.mirrors.as_ref()?, at.ray.image?);
         if at.returning.is_some() {

@@ -30,8 +30,8 @@ pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
     }
 }
 
-/// By a ray of the camera's mirror image where the ray at hand is one of the camera or of an image of it and the mirror is
-/// planar; by a ray from the surface elsewhere.
+/// Masks the pixel for the camera's mirror image if a ray of the camera, or of an image of it, hit a planar mirror. Traces a
+/// reflected ray otherwise.
 fn mirrored_camera(
     shading: &mut Shading,
     surface: &Surface8,
@@ -85,7 +85,7 @@ fn looked_up<S: Sky>(
     shading.accumulator.add_radiance8(lanes, &surface.pixel, &seen.times(weight));
 }
 
-/// In the map of the reflector; by a ray where it has none, or the light is reflected inside a body.
+/// Looks up the map of the reflector. Traces a reflected ray if it has none, or inside a body.
 fn in_map(
     shading: &mut Shading,
     surface: &Surface8,
