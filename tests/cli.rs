@@ -385,6 +385,8 @@ fn a_full_disk_is_an_error_and_a_device_is_written_to() {
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let mut child = process(&place, &["render", "scene.toml", "-q", "--json"]);
     assert_eq!(child.stdout(full).status().unwrap().code(), Some(3));
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    assert_eq!(process(&place, &["render", "--help"]).stdout(full).status().unwrap().code(), Some(3));
     // A summary that nobody can read is no reason to fail.
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let mut child = process(&place, &["render", "scene.toml"]);

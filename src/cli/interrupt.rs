@@ -73,7 +73,7 @@ pub(super) fn wait_for_the_end() {
 
 fn leave() -> ! {
     discard_unfinished();
-    output::log(&format!("error: {}", Error::Interrupted));
+    output::log_failure(&Error::Interrupted);
     let code = i32::from(Error::Interrupted.exit_code());
     // Other threads are at work yet, some of them in Embree, whose own tidying up at a proper exit would pull the ground
     // from under them.

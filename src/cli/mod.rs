@@ -59,13 +59,15 @@ fn command() -> ExitCode {
         Ok(cli) => cli,
         Err(e) => {
             match e.kind() {
-                // Their reader may have gone.
                 ErrorKind::DisplayHelp
                 | ErrorKind::DisplayVersion
-                | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-                    let _ = e.print();
-                }
-                _ => output::log(&output::one_line(&usage::one_line(&e))),
+                | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => match e.print() {
+                    Err(unwritten) if unwritten.kind() != std::io::ErrorKind::BrokenPipe => {
+                        return failed(&Error::io("standard output", "write", unwritten));
+                    }
+                    _ => (),
+                },
+                _ => output::log(&output::one_line(&usage::one_line(&e, std::env::args_os()))),
             }
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
         }
@@ -78,7 +80,7 @@ fn command() -> ExitCode {
 }
 
 fn failed(e: &Error) -> ExitCode {
-    output::log(&format!("error: {}", output::one_line(&e.to_string())));
+    output::log_failure(e);
     ExitCode::from(e.exit_code())
 }
 

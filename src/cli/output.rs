@@ -1,12 +1,22 @@
 //! Words to the user. Results go to standard output, all else to standard error; neither panics when its reader goes.
 
 use std::io::{self, Write as _};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Error, Result};
 
 /// A line on standard error. Where that fails there is nobody left to tell.
 pub(super) fn log(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Writes the error that ends the program to standard error, as one line. Later calls write nothing: the thread that handles
+/// a second Ctrl-C may end the program while the main thread ends it for the first.
+pub(super) fn log_failure(error: &Error) {
+    static LOGGED: AtomicBool = AtomicBool::new(false);
+    if !LOGGED.swap(true, Ordering::SeqCst) {
+        log(&format!("error: {}", one_line(&error.to_string())));
+    }
 }
 
 /// A message with its control characters written out, since names of files may hold line ends.

@@ -1,16 +1,21 @@
 //! Wrong usage in one line.
 
+use std::ffi::OsString;
+
+use clap::CommandFactory as _;
+
+use super::args::Cli;
 use crate::load::plain_numbers;
 
-/// Characters of a word that is shown as it is.
+/// Characters of a word that is shown whole.
 const LONGEST_WORD: usize = 80;
 
 /// The message of the command line's parser, which has a line each for what is wrong, values, tips and usage, as one line
-/// that ends in the command that prints the help.
-pub(super) fn one_line(e: &clap::Error) -> String {
+/// that ends in the command that prints the help. `given` are the words of the command line, the program's name included.
+pub(super) fn one_line(e: &clap::Error, given: impl Iterator<Item = OsString>) -> String {
     let text = e.render().to_string();
     let mut line = String::new();
-    let mut command = String::from("vitrum");
+    let mut command = helped(given);
     for part in text.lines().map(str::trim).filter(|part| !part.is_empty()) {
         if let Some(usage) = part.strip_prefix("Usage: ") {
             let words = usage.split(' ').take_while(|word| word.starts_with(|c: char| c.is_ascii_lowercase()));
@@ -33,6 +38,13 @@ pub(super) fn one_line(e: &clap::Error) -> String {
     format!("{}; see `{command} --help`", words.join(" "))
 }
 
+/// The command that was asked for, whose help lists its options. The parser's message names it in some errors alone.
+fn helped(given: impl Iterator<Item = OsString>) -> String {
+    let known = Cli::command();
+    let asked = given.skip(1).find_map(|word| known.find_subcommand(word).map(|found| format!("vitrum {}", found.get_name())));
+    asked.unwrap_or_else(|| String::from("vitrum"))
+}
+
 fn shortened(word: &str) -> String {
     let count = word.chars().count();
     if count <= LONGEST_WORD {
@@ -46,7 +58,6 @@ fn shortened(word: &str) -> String {
 mod tests {
     use clap::Parser as _;
 
-    use super::super::args::Cli;
     use super::*;
 
     #[test]
@@ -55,14 +66,15 @@ mod tests {
         for (given, said, help) in [
             ("render a.toml --foo", "unexpected argument '--foo'", "vitrum render --help"),
             ("render", "required arguments were not provided: <", "--help"),
-            ("render a.toml --width 0", "'0' for '--width", "--help"),
+            ("render a.toml --width 0", "'0' for '--width", "vitrum render --help"),
             (&format!("render a.toml --width {long}"), "1e300", "--help"),
             ("render a.toml --backend nativ", "[possible values: native", "--help"),
             ("rendre a.toml", "unrecognized subcommand 'rendre'", "vitrum --help"),
             ("render a.toml -o", "a value is required", "--help"),
         ] {
-            let wrong = Cli::try_parse_from(std::iter::once("vitrum").chain(given.split(' '))).unwrap_err();
-            let line = one_line(&wrong);
+            let words = || std::iter::once("vitrum").chain(given.split(' '));
+            let wrong = Cli::try_parse_from(words()).unwrap_err();
+            let line = one_line(&wrong, words().map(OsString::from));
             assert!(line.starts_with("error: ") && line.lines().count() == 1 && line.len() < 400, "{line}");
             assert!(line.contains(said) && line.ends_with("`") && line.contains(help), "{given}: {line}");
         }
