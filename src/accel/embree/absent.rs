@@ -46,7 +46,7 @@ impl Embree {
         Err(Unavailable::NotCompiledIn.into())
     }
 
-    /// The same hierarchy, asked by calls of this width.
+    /// Returns the same hierarchy, traced by calls of this width.
     #[must_use]
     pub fn with_width(&self, _: Width) -> Self {
         match *self {}

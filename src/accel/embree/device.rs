@@ -1,8 +1,8 @@
-//! The loaded library and its devices, with owners. Everything here is safe to call.
+//! The loaded library and its devices, as owning types. Everything here is safe to call.
 //!
-//! MXCSR is left as Rust has it, without flush-to-zero: Rust's arithmetic may not run under other modes, and the
-//! native path, which is compared with this one, runs under the same. (Embree sets its own for its build and puts the
-//! old one back.)
+//! MXCSR is left as Rust sets it, without flush-to-zero. Rust's arithmetic may not run under other modes, and the
+//! native path, which is compared with this one, runs under the same. Embree sets its own mode for a build and restores
+//! the old one.
 
 #![allow(unsafe_code, reason = "calls into the Embree library")]
 
@@ -21,47 +21,47 @@ use super::sys::{self, Api, QueryArguments, Valid};
 use crate::error::{Error, Result, Unavailable};
 use crate::system::{memory, threads};
 
-/// Address space that each device maps when it is made (a heap of its own) and writes little of.
+/// Address space in bytes that each device maps for its own heap. Little of it is written.
 const DEVICE_BYTES: u64 = 128 << 20;
 
-/// Address space that each build thread takes: its stack and its part of the scheduler.
+/// Address space in bytes of each build thread: its stack and its part of the scheduler.
 const THREAD_BYTES: u64 = 5 << 20;
 
-/// Address space that the libraries take which Embree needs: TBB and the C++ runtime.
+/// Address space in bytes of the libraries that Embree depends on: TBB and the C++ runtime.
 const BESIDE_BYTES: u64 = 16 << 20;
 
-/// The way out where Embree finds no memory.
+/// Cure in messages about a lack of memory for Embree.
 pub(super) const WITHOUT: &str = "take --backend native";
 
 /// The code of `RTC_ERROR_OUT_OF_MEMORY`.
 const OUT_OF_MEMORY: c_int = 4;
 
-/// One loaded library that was found fit for use. It stays loaded until the program ends: its worker threads do, too.
+/// Loaded library that passed all checks. It stays loaded until the program ends, because its worker threads do.
 pub struct Library {
     api: Api,
     /// The file, or the bare name that the system's loader resolved.
     pub file: PathBuf,
-    /// How the file was found, in a word or two.
+    /// Rule that found the file, in a word or two.
     pub because: &'static str,
     /// Major, minor, patch.
     pub version: [u32; 3],
     /// Embree's tasking system by name.
     pub tasking: &'static str,
-    /// Whether 16-wide packets are traversed as such on this CPU.
+    /// True if 16-wide packets are traversed 16 wide on this CPU; otherwise Embree splits them.
     pub native16: bool,
-    /// Whether it looks at geometry masks.
+    /// True if the library was built to test the geometry masks of rays.
     pub masks: bool,
 }
 
-/// The libraries that were loaded so far.
+/// Libraries loaded so far.
 static LOADED: Mutex<Vec<&'static Library>> = Mutex::new(Vec::new());
 
 impl Library {
-    /// Loads the library, from the folder `wished` or where [`find::find`] finds it, once for each file.
+    /// Loads the library from the folder `wished`, or from where [`find::find`] finds it. Each file is loaded once.
     ///
     /// # Errors
-    /// [`Unavailable`] where it is missing, cannot be loaded, lacks functions, is not version 4, or writes past the
-    /// end of the structs it is given.
+    /// [`Unavailable`] if the library is missing, cannot be loaded, lacks functions, is not version 4, or writes beyond
+    /// the end of the structs that it is given.
     pub fn open(wished: Option<&Path>) -> Result<&'static Self> {
         let found = find::find(wished).map_err(|folder| Unavailable::NotFound {
             library: find::FILE_NAME,
@@ -82,10 +82,10 @@ impl Library {
         Ok(fresh)
     }
 
-    /// Loads one file and asks it what it is.
+    /// Loads one file and reads its properties.
     fn load(found: &Found) -> Result<Self> {
         let file = found.file.display();
-        // Where only the system's loader knows the file, there is no size to ask for.
+        // The size is unknown if only the system's loader can resolve the name.
         let size = std::fs::metadata(&found.file).map_or(0, |m| m.len());
         memory::need_mapped(&format!("Embree ({file})"), size + BESIDE_BYTES + DEVICE_BYTES, WITHOUT)?;
         // SAFETY: loading runs the library's initialisers; Embree's and TBB's have no preconditions. What else may
@@ -137,7 +137,7 @@ impl Library {
         Ok(Self { api, file: found.file.clone(), because: found.because, version, tasking, native16, masks })
     }
 
-    /// Its description for reports.
+    /// Description for reports.
     #[must_use]
     pub fn installed(&self) -> Installed {
         let [major, minor, patch] = self.version;
@@ -156,10 +156,10 @@ impl Library {
     }
 }
 
-/// What Embree reports of a device behind our back.
+/// Errors and memory use that Embree reports by callbacks.
 #[derive(Default)]
 struct Log {
-    /// The first error: its code, and what Embree says of it.
+    /// First error: its code and Embree's message.
     error: Mutex<Option<(c_int, String)>>,
     bytes: AtomicIsize,
 }
@@ -168,7 +168,8 @@ struct Log {
 pub struct Device {
     library: &'static Library,
     raw: sys::RtcDevice,
-    /// At a fixed address, because Embree holds it. Freed after the device, whose last scene holds the device.
+    /// At a fixed address, because Embree keeps a pointer to it. It is freed after the device, which the device's last
+    /// scene keeps alive.
     log: Arc<Log>,
 }
 
@@ -178,9 +179,10 @@ unsafe impl Send for Device {}
 unsafe impl Sync for Device {}
 
 impl Device {
-    /// A device with `threads` build threads (0: one a processor).
+    /// Opens a device with `threads` build threads; 0 means one per processor.
     ///
     /// # Errors
+    /// [`Unavailable`] if Embree makes no device; a limit if there is not enough memory or threads.
     pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
         let workers = if threads == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { threads };
         memory::need_mapped("an Embree device", DEVICE_BYTES + workers as u64 * THREAD_BYTES, WITHOUT)?;
@@ -212,13 +214,13 @@ impl Device {
         Ok(Arc::new(Self { library, raw, log }))
     }
 
-    /// The library it was made by.
+    /// Library that made the device.
     #[must_use]
     pub fn library(&self) -> &'static Library {
         self.library
     }
 
-    /// Whether 16-wide packets are traversed as such with the instructions it uses.
+    /// Returns true if 16-wide packets are traversed 16 wide with the instructions of this device.
     #[must_use]
     pub fn native16(&self) -> bool {
         // SAFETY: the device lives.
@@ -231,17 +233,17 @@ impl Device {
         self.log.bytes.load(Ordering::Relaxed).max(0).unsigned_abs()
     }
 
-    /// The device's address, valid while `self` is.
+    /// Address of the device, valid while `self` lives.
     pub(super) fn raw(&self) -> sys::RtcDevice {
         self.raw
     }
 
-    /// The functions to call with it.
+    /// Functions to call with the device.
     pub(super) fn api(&self) -> &'static Api {
         &self.library.api
     }
 
-    /// Fails with what Embree has reported since the last call.
+    /// Returns the first error that Embree reported since the last call, if any.
     pub(super) fn check(&self) -> Result<()> {
         match self.log.error.lock().unwrap_or_else(PoisonError::into_inner).take() {
             Some((code, message)) => Err(reported(code, message)),
@@ -249,8 +251,8 @@ impl Device {
         }
     }
 
-    /// How many bytes beyond `ends` the library writes into a ray with hit, eight and sixteen of them, when they hit:
-    /// [0, 0, 0] for structs that are long enough. The calls are made on a buffer with ample room.
+    /// Returns the numbers of bytes that the library writes beyond `ends` into a ray with hit, when 1, 8 and 16 rays
+    /// hit. The numbers are 0 if the structs are long enough. The calls use a buffer with ample room.
     ///
     /// # Errors
     /// As [`SceneBuilder::commit`].
@@ -317,7 +319,7 @@ impl Drop for Device {
     }
 }
 
-/// Whether the CPU has 8-wide integer vectors, which `simd256` needs.
+/// Returns true if the CPU has 8-wide integer vectors, which `simd256` needs.
 fn has_avx2() -> bool {
     #[cfg(target_arch = "x86_64")]
     return std::arch::is_x86_feature_detected!("avx2");
@@ -325,7 +327,7 @@ fn has_avx2() -> bool {
     false
 }
 
-/// Keeps the first error until it is asked for.
+/// Error callback: keeps the first error until [`Device::check`] takes it.
 unsafe extern "C" fn note_error(user: *mut c_void, code: c_int, message: *const c_char) {
     let text = if message.is_null() {
         String::new()
@@ -341,7 +343,7 @@ unsafe extern "C" fn note_error(user: *mut c_void, code: c_int, message: *const 
         .get_or_insert_with(|| (code, format!("{}: {text}", error_name(code))));
 }
 
-/// The error for what Embree reports.
+/// Converts an error code of Embree with its message.
 fn reported(code: c_int, message: String) -> Error {
     if code == OUT_OF_MEMORY {
         memory::ran_out("Embree's hierarchy", WITHOUT)
@@ -350,14 +352,14 @@ fn reported(code: c_int, message: String) -> Error {
     }
 }
 
-/// Keeps count of the bytes; always agrees.
+/// Memory callback: counts the bytes and allows every allocation.
 unsafe extern "C" fn note_memory(user: *mut c_void, bytes: isize, _post: bool) -> bool {
     // SAFETY: `user` is the log of a device that lives.
     unsafe { &*user.cast::<Log>() }.bytes.fetch_add(bytes, Ordering::Relaxed);
     true
 }
 
-/// `RTCError` in words.
+/// Name of an `RTCError` in words.
 fn error_name(code: c_int) -> &'static str {
     match code {
         1 => "unknown error",

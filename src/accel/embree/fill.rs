@@ -1,4 +1,4 @@
-//! Shapes on their way into scenes.
+//! Transfer of shapes into Embree's scenes.
 
 use glam::Vec4;
 use rayon::prelude::*;
@@ -11,17 +11,17 @@ use crate::accel::BuildStats;
 use crate::error::Result;
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 
-/// What is gathered while scenes are filled.
+/// Counts and names collected while scenes are filled.
 pub struct Filling<'a> {
     pub options: &'a Options,
     pub stats: BuildStats,
     pub renamed: Vec<Renamed>,
-    /// Bytes of coordinates and indices handed over.
+    /// Bytes of coordinates and indices copied to Embree.
     pub copied: usize,
 }
 
 impl Filling<'_> {
-    /// Puts the shapes with mask `kind` into `scene`, its spheres together as geometry `group`.
+    /// Adds the shapes with mask `kind` to `scene`, all spheres together as geometry `group`.
     pub fn fill(
         &mut self,
         scene: &mut SceneBuilder,
@@ -53,7 +53,7 @@ impl Filling<'_> {
         }
     }
 
-    /// Puts the usable triangles of `mesh` into `scene`.
+    /// Adds the usable triangles of `mesh` to `scene`.
     fn mesh(&mut self, scene: &mut SceneBuilder, id: u32, kind: GeometryMask, mesh: &TriMesh) -> Result<()> {
         let all = mesh.triangles.len();
         let usable = (0..all).into_par_iter().filter(|&i| mesh.is_usable(i)).map(|i| i as u32);

@@ -1,10 +1,11 @@
-//! Embree 4 behind the same door as the native path: the library is loaded at run time (`device.rs`), our packets go
-//! into its structs and its hits into ours (`packet.rs`), and spheres go through the native path's own test
-//! (`sphere.rs`), so that what is left to differ is the traversal and the triangle test.
+//! Embree 4 as an [`Intersector`], like the native path.
 //!
-//! What differs from the native path by nature: ties are settled in Embree's own way; hits behind the start are not
-//! seen, nor any nearer than 2^-125; in robust mode `t_min < t <= t_max` holds for the `t` that is reported, in fast
-//! mode it is judged before `t` is rounded.
+//! The library is loaded at run time (`device.rs`). Packets are converted to its structs and hits back (`packet.rs`).
+//! Spheres use the native path's own test (`sphere.rs`). So only the traversal and the triangle test differ.
+//!
+//! Differences from the native path: ties are settled by Embree's own rule. Hits behind the ray's origin, or nearer
+//! than 2^-125, are not found. In robust mode `t_min < t <= t_max` holds for the `t` that is reported; in fast mode it
+//! is tested before `t` is rounded.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -43,15 +44,15 @@ use sys::QueryArguments;
 /// True in builds with the feature `embree`.
 pub const COMPILED_IN: bool = true;
 
-/// Bytes that Embree takes for each primitive while it builds: positions, indices, references and nodes.
+/// Bytes that a build takes for each primitive: positions, indices, references and nodes.
 const BYTES_EACH: usize = 320;
 
-/// Shapes in Embree's hierarchy. Clones share it.
+/// Embree's hierarchy over shapes. Clones share it.
 #[derive(Clone)]
 pub struct Embree {
-    /// One scene with everything; or, where the library ignores masks, one for each mask that occurs.
+    /// One scene with all shapes. If the library ignores masks, one scene for each mask that occurs.
     parts: Arc<[(GeometryMask, Scene)]>,
-    /// The ids in hits that stand for other names outside.
+    /// Geometry ids of Embree whose hits get other ids.
     renamed: Arc<[Renamed]>,
     mode: Mode,
     width: Width,
@@ -60,14 +61,14 @@ pub struct Embree {
     library: &'static Library,
 }
 
-/// An id in Embree whose primitives have other names outside.
+/// Geometry id of Embree whose primitives have other ids in hits.
 struct Renamed {
     id: u32,
-    /// (geometry, primitive) of each of Embree's.
+    /// (geometry, primitive) for each of Embree's primitives.
     names: Vec<(u32, u32)>,
 }
 
-/// Embree's structs, of which only some fields change from call to call.
+/// Structs for calls to Embree. Only some of their fields change between calls.
 pub struct Scratch {
     one: sys::RtcRayHit1,
     eight: sys::RtcRayHit8,
@@ -82,18 +83,18 @@ impl Default for Scratch {
 }
 
 impl Embree {
-    /// Builds a hierarchy over the meshes and spheres in `geometry`; planes are left to
-    /// [`Unbounded`](super::Unbounded).
+    /// Builds a hierarchy over the meshes and spheres of `geometry`. Planes are ignored;
+    /// [`Unbounded`](super::Unbounded) adds them.
     ///
     /// # Errors
-    /// [`Unavailable`] where the library is missing or unfit, or a shape reaches beyond [`reach::MOST`] or all meshes
-    /// within [`reach::LEAST`]; a limit where memory runs out.
+    /// [`Unavailable`] if the library is missing or unfit, if a shape reaches beyond [`reach::MOST`], or if all meshes
+    /// lie within [`reach::LEAST`]; a limit if memory runs out.
     pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
         let library = Library::open(options.library.as_deref())?;
         Self::build_with(geometry, options, library, library.masks)
     }
 
-    /// As [`Embree::build`]; without `masks` each mask gets a scene of its own.
+    /// Builds as [`Embree::build`] does. Without `masks`, each mask that occurs gets a scene of its own.
     fn build_with(geometry: &[Geometry], options: &Options, library: &'static Library, masks: bool) -> Result<Self> {
         if !options.even_lost {
             reach::check(geometry)?;
@@ -106,7 +107,7 @@ impl Embree {
         let kinds: BTreeSet<u8> = geometry.iter().map(|g| g.mask.0).collect();
         let mut filling = Filling { options, stats: BuildStats::default(), renamed: Vec::new(), copied: 0 };
         let mut scenes: Vec<(GeometryMask, SceneBuilder)> = Vec::new();
-        // The ids after those of the list belong to the groups of spheres.
+        // Groups of spheres get the ids after those of the list.
         for (group, kind) in (geometry.len() as u32..).zip(kinds.into_iter().map(GeometryMask)) {
             if scenes.is_empty() || !masks {
                 let scene = SceneBuilder::new(&device, options.mode == Mode::Robust, options.quality)?;
@@ -131,13 +132,13 @@ impl Embree {
         })
     }
 
-    /// The same hierarchy, asked by calls of this width.
+    /// Returns the same hierarchy, traced by calls of this width.
     #[must_use]
     pub fn with_width(&self, width: Width) -> Self {
         Self { width, ..self.clone() }
     }
 
-    /// The library that traces.
+    /// Description of the library.
     #[must_use]
     pub fn library(&self) -> Installed {
         self.library.installed()
@@ -147,7 +148,7 @@ impl Embree {
 /// Loads the library and describes it.
 ///
 /// # Errors
-/// [`Unavailable`], where it is missing or unfit.
+/// [`Unavailable`] if it is missing or unfit.
 pub fn installed() -> std::result::Result<Installed, Unavailable> {
     match Library::open(None) {
         Ok(library) => Ok(library.installed()),
@@ -203,15 +204,15 @@ impl Intersector for Embree {
         }
     }
 
-    /// Embree tells nothing of its nodes, leaves and depth, which stay 0; `bytes` is what it holds beyond the
-    /// coordinates and indices that were copied to it.
+    /// Embree does not report its nodes, leaves and depth, so these are 0. `bytes` is the memory that it holds beyond
+    /// the coordinates and indices that were copied to it.
     fn build_stats(&self) -> BuildStats {
         self.stats
     }
 }
 
 impl Embree {
-    /// Whether packets go into sixteen-wide calls two by two.
+    /// Returns true if packets are traced in pairs, by sixteen-wide calls.
     #[inline]
     fn takes_pairs(&self, coherence: Coherence) -> bool {
         match self.width {
@@ -220,13 +221,13 @@ impl Embree {
         }
     }
 
-    /// The scenes that rays with this mask can meet anything in.
+    /// Scenes with shapes that rays with this mask can hit.
     #[inline(always)]
     fn parts(&self, admits: GeometryMask) -> impl Iterator<Item = &Scene> {
         self.parts.iter().filter(move |(kind, _)| kind.meets(admits)).map(|(_, scene)| scene)
     }
 
-    /// A pair of packets. The later scenes see the rays shortened by the earlier ones.
+    /// Traces a pair of packets. Hits in earlier scenes shorten the rays for later ones.
     #[inline(always)]
     fn closest16(&self, rays: &[Ray8; 2], hits: &mut [Hit8; 2], query: &QueryArguments, scratch: &mut Scratch) {
         let intervals = [Interval::of(&rays[0], self.mode), Interval::of(&rays[1], self.mode)];
@@ -250,7 +251,7 @@ impl Embree {
         }
     }
 
-    /// One packet, as such or ray by ray.
+    /// Traces one packet, by one call or ray by ray.
     #[inline(always)]
     fn closest8(&self, rays: &Ray8, hits: &mut Hit8, query: &QueryArguments, scratch: &mut Scratch) {
         let interval = Interval::of(rays, self.mode);
@@ -278,7 +279,7 @@ impl Embree {
         eight.hit.store(&eight.ray, 0, rays.active, hits);
     }
 
-    /// A pair of packets.
+    /// Tests a pair of packets for occlusion.
     #[inline(always)]
     fn occluded16(&self, rays: &[Ray8; 2], query: &QueryArguments, scratch: &mut Scratch) -> [Mask8; 2] {
         let intervals = [Interval::of(&rays[0], self.mode), Interval::of(&rays[1], self.mode)];
@@ -297,7 +298,7 @@ impl Embree {
         [sixteen.blocked(0, a), sixteen.blocked(1, b)]
     }
 
-    /// One packet, as such or ray by ray.
+    /// Tests one packet for occlusion, by one call or ray by ray.
     #[inline(always)]
     fn occluded8(&self, rays: &Ray8, query: &QueryArguments, scratch: &mut Scratch) -> Mask8 {
         let interval = Interval::of(rays, self.mode);
@@ -322,13 +323,13 @@ impl Embree {
         eight.blocked(0, interval.live)
     }
 
-    /// Whether the live lanes of a packet are traced one by one.
+    /// Returns true if the active lanes of a packet are traced one by one.
     #[inline(always)]
     fn goes_singly(&self, live: u8) -> bool {
         self.width == Width::One || live & live.wrapping_sub(1) == 0
     }
 
-    /// Puts the names outside in place of Embree's.
+    /// Replaces Embree's ids by those of the caller's list.
     fn rename(&self, active: u8, hits: &mut Hit8) {
         for i in set_lanes(active) {
             if let Some(renamed) = self.renamed.iter().find(|r| r.id == hits.geometry[i]) {
@@ -338,7 +339,7 @@ impl Embree {
     }
 }
 
-/// Arguments with the flag for this order of rays.
+/// Query arguments with the flag for this coherence.
 fn query(coherence: Coherence) -> QueryArguments {
     QueryArguments::new(match coherence {
         Coherence::Coherent => sys::QUERY_COHERENT,
@@ -355,7 +356,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Ray, Shape, Sphere, TriMesh};
 
-    /// The library, or word on the terminal that `test` was left out (a failure where VITRUM_REQUIRE_EMBREE is set).
+    /// Returns the library. Without it, prints that `test` was skipped, or fails if VITRUM_REQUIRE_EMBREE is set.
     pub fn library(test: &str) -> Option<&'static Library> {
         let library = Library::open(None);
         if let Err(e) = &library {

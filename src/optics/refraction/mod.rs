@@ -1,8 +1,9 @@
-//! The refracted direction by the stable form and by every formula of the lecture notes, each a type, so that a shading
-//! stage holds one of them and what is timed is the formula.
+//! The refracted direction by the stable form and by every formula of the lecture notes. Each is a type, so that a
+//! shading stage contains only one of them, and timings are those of the formula.
 //!
-//! What the notes misprint is corrected here and said at the formula. None of them guards against total reflection;
-//! all of these report it as a mask. Their errors, measured against a double-double oracle, are in `tests/optics.rs`.
+//! Misprints of the notes are corrected and described at each formula. None of the notes tests for total reflection;
+//! all functions here report it as a mask. Their errors, measured against a double-double oracle, are in
+//! `tests/optics`.
 
 mod algebraic;
 mod oliveira;
@@ -18,8 +19,8 @@ use crate::math::{LaneMask, Real, Vector3};
 crate::choice! {
     /// Formula for the direction of refracted light.
     ///
-    /// A formula is its file in this folder and its line in this list. The renderers, the command line, reports and the studies take it
-    /// from here.
+    /// A formula is a type in this folder and a line of this list. The renderers, the command line, reports and the
+    /// studies read the list.
     pub enum RefractionModel("refraction", default(Stable), visitor(RefractionVisitor, RefractionFormula)) {
         /// No refraction: light goes straight on.
         "straight" => StraightThrough by StraightThrough,
@@ -38,28 +39,28 @@ crate::choice! {
     }
 }
 
-/// A refracted direction, where there is one.
+/// A refracted direction, if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Refracted<R: Real> {
-    /// Direction of travel beyond the boundary, of unit length for unit arguments. Where `total` is true it is finite
-    /// and nobody's direction.
+    /// Direction of travel beyond the boundary, of unit length for unit arguments. In lanes with `total` it is finite
+    /// but has no meaning.
     pub direction: Vector3<R>,
-    /// Where this formula knows no refracted direction. Close to the critical angle (1e-7 rad) rounding lets formulas
+    /// True if this formula has no refracted direction. Close to the critical angle (1e-7 rad) rounding lets formulas
     /// disagree with each other and with [`Crossing::total`].
     pub total: R::Mask,
 }
 
 /// Refraction formula as a type, so that a shading stage is compiled for it and holds no branch.
 pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
-    /// The formula of `model`, where it is one of this type.
+    /// Returns the formula of `model` if it is of this type, else the default.
     #[must_use]
     fn of(model: RefractionModel) -> Self {
         let _ = model;
         Self::default()
     }
 
-    /// The refracted direction of `incident` at `normal`, of which `at` is `boundary.cross(-(incident . normal))`. The
-    /// notes' formulas take only the cosine from it, so that their own square root is part of their price.
+    /// Returns the refracted direction of `incident` at `normal`, with `at = boundary.cross(-(incident . normal))`. The
+    /// notes' formulas use only the cosine of it, so that their time includes their own square root.
     fn refract<R: Real>(
         self,
         boundary: &Boundary<R>,
@@ -69,8 +70,8 @@ pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
     ) -> Refracted<R>;
 }
 
-/// `t = eta (i + kc / (c + b) n)`, [`Boundary::refract`]: no cancellation at any index ratio, and the square root is
-/// the one that Fresnel needs as well. `incident` to the bit between equal indices.
+/// `t = eta (i + kc / (c + b) n)`, see [`Boundary::refract`]. It does not cancel at any index ratio, and Fresnel needs
+/// the same square root. Between equal indices it is `incident` to the bit.
 ///
 /// Errors: 2e-7 rad on the way into any denser medium, index ratios one ulp from 1 included.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,7 +90,7 @@ impl RefractionFormula for Stable {
     }
 }
 
-/// The way light would go if nothing bent it: what is saved by drawing no refraction at all. Never total.
+/// The direction of incidence, as if there were no boundary. Never total.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StraightThrough;
 
