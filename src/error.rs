@@ -14,7 +14,7 @@ pub enum Error {
         line: usize,
         /// Column, from 1, if known.
         column: Option<usize>,
-        /// What is wrong, the value, and the cure.
+        /// Description of the fault, with the value and the cure.
         message: String,
     },
     /// Wrong input without a single place.
@@ -22,7 +22,7 @@ pub enum Error {
     File {
         /// The file, as the user named it.
         file: PathBuf,
-        /// What is wrong, the value, and the cure.
+        /// Description of the fault, with the value and the cure.
         message: String,
     },
     /// Scene or flag that requests something impossible.

@@ -28,9 +28,13 @@ pub fn conductor_exact<R: Real>(cos_i: R, eta: R, k: R) -> R {
 
 /// Reflectances of a metal for both polarisations, and the phase between them.
 ///
-/// With `a + i b = sqrt((eta + i k)^2 - sin^2)`, both are quotients of sums of squares, which no rounding makes
-/// negative: `R_s = ((a - c)^2 + b^2) / ((a + c)^2 + b^2)` and `R_p / R_s = ((a c - s^2)^2 + (b c)^2) / ((a c + s^2)^2
-/// + (b c)^2)`.
+/// Both are quotients of sums of squares, which no rounding makes negative:
+///
+/// ```text
+/// a + i b   = sqrt((eta + i k)^2 - sin^2)
+/// R_s       = ((a - c)^2 + b^2) / ((a + c)^2 + b^2)
+/// R_p / R_s = ((a c - s^2)^2 + (b c)^2) / ((a c + s^2)^2 + (b c)^2)
+/// ```
 pub(super) struct Metal<R> {
     /// Reflectance of the `s` part.
     pub r_s: R,

@@ -55,10 +55,10 @@ pub struct AtNormal;
 impl FresnelFormula for Exact {
     /// `R = r_s^2 (1 + q^2) / 2` with `r_s = kc / (cos_i + b)^2` and `q = r_p / r_s = (c b - s^2) / (c b + s^2)`.
     ///
-    /// This equals half the sum of `((n1 c_i - n2 c_t) / (n1 c_i + n2 c_t))^2` and `((n2 c_i - n1 c_t) / (n2 c_i + n1
-    /// c_t))^2`, without their cancellation at index ratios near 1. The relative error is at most 1.2e-6 at every angle
-    /// and index ratio where products are fused. Elsewhere it is at most 1.3e-3 next to the critical angle. Between
-    /// equal indices the result is exactly 0.
+    /// This equals half the sum of `((n1 c_i - n2 c_t) / (n1 c_i + n2 c_t))^2` and the same with `c_i` and `c_t` swapped,
+    /// without the cancellation at index ratios near 1. The relative error is at most 1.2e-6 at every angle and index ratio
+    /// where products are fused. Elsewhere it is at most 1.3e-3 next to the critical angle. Between equal indices the
+    /// result is exactly 0.
     #[inline(always)]
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R {
         let one = R::one();
@@ -79,9 +79,9 @@ impl FresnelFormula for Schlick {
     /// `R0 + (1 - R0) (1 - c)^5`, with `c` the cosine on the thinner side. When leaving the denser medium it is `cos_t`
     /// (with `cos_i` the error would be up to 0.97).
     ///
-    /// Its error against the Fresnel equations is up to 0.06 (water), 0.036 (glass) and 0.076 (diamond), but 0.17
-    /// between water and glass and 0.855 between indices 1 and 1.0003, since the index enters only through `R0`. Equal
-    /// indices are no boundary and reflect exactly 0, although the formula goes to 1 at grazing incidence.
+    /// Its error against the Fresnel equations is up to 0.06 (water), 0.036 (glass) and 0.076 (diamond). It is 0.17 between
+    /// water and glass and 0.855 between indices 1 and 1.0003, since the index enters only through `R0`. Equal indices are
+    /// no boundary and reflect exactly 0, although the formula goes to 1 at grazing incidence.
     #[inline(always)]
     fn dielectric<R: Real>(boundary: &Boundary<R>, at: &Crossing<R>) -> R {
         let leaving = boundary.kc.gt(R::zero());

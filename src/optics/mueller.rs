@@ -1,11 +1,19 @@
 //! Polarisation carried along a path, from the camera towards the lights.
 //!
-//! A surface acts on light by a Mueller matrix. In the frame of the surface, whose first axis `s` lies across the plane
-//! of incidence, it is `[[a, b, 0, 0], [b, a, 0, 0], [0, 0, c, -d], [0, 0, d, c]]` for every boundary and every metal.
-//! The camera sees intensity: the first row of the product of all matrices from the camera on. Unpolarised light adds
-//! its radiance times the first element of that row. So a ray carries that element as its weight, and the ratio of the
-//! other three to it. This is the *diattenuation vector* of the path so far (Lu & Chipman 1996). It is zero at the
-//! camera and never longer than 1.
+//! A surface acts on light by a Mueller matrix. In the frame of the surface, the first axis `s` lies across the plane of
+//! incidence. For every boundary and every metal the matrix in this frame is
+//!
+//! ```text
+//! a  b  0  0
+//! b  a  0  0
+//! 0  0  c -d
+//! 0  0  d  c
+//! ```
+//!
+//! The camera sees intensity: the first row of the product of all matrices from the camera on. Unpolarised light adds its
+//! radiance times the first element of that row. So a ray carries that element as its weight, and the ratio of the other
+//! three to it. This is the *diattenuation vector* of the path so far (Lu & Chipman 1996). It is zero at the camera and
+//! never longer than 1.
 //!
 //! Frames: `x` is the axis that is carried, and `y = dir x x` with the direction of the *ray*, for every ray alike.
 //! With the electric field's components along them and a time factor `exp(-i w t)`, `Q = |E_x|^2 - |E_y|^2` and `U + i
