@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use super::backend::Backend;
 use super::embree::{self, Embree, Installed, Width};
 use super::native::{self, Kernel, Native};
-use super::{Backend, BuildQuality, BuildStats, Coherence, Intersector, Unbounded};
+use super::unbounded::Unbounded;
+use super::{BuildQuality, BuildStats, Coherence, Intersector};
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit8, Ray8};
 use crate::simd::Mask8;

@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Aabb, COORDINATE_LIMIT};
+use super::COORDINATE_LIMIT;
+use super::aabb::Aabb;
 
 /// An indexed triangle mesh with optional attributes at the corners.
 ///

@@ -8,8 +8,10 @@ use ::exr::prelude::{
     WritableImage,
 };
 
+use super::encode::Clipped;
+use super::film::Film;
 use super::format::cannot_hold;
-use super::{Clipped, Encoded, Film, Format};
+use super::format::{Encoded, Format};
 use crate::Result;
 
 /// Encodes a film as three binary32 channels, compressed without loss, rows in order.

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::{Clipped, Film, exr, hdr, pfm, png};
+use super::encode::Clipped;
+use super::film::Film;
+use super::{exr, hdr, pfm, png};
 use crate::system::memory;
 use crate::{Error, Result};
 

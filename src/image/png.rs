@@ -2,8 +2,10 @@
 
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRenderingIntent, Transformations};
 
+use super::encode::{Clipped, linear_from_srgb};
+use super::film::Film;
 use super::format::cannot_hold;
-use super::{Bits, Clipped, Encoded, Film, Format, linear_from_srgb};
+use super::format::{Bits, Encoded, Format};
 use crate::Result;
 
 /// Encodes a film as RGB without alpha, marked as sRGB.

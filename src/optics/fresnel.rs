@@ -1,8 +1,8 @@
 //! Reflectance of a boundary between dielectrics.
 
+use super::boundary::{Boundary, Crossing};
 use super::conductor::{conductor_at_normal, conductor_exact, conductor_schlick};
 use super::polarised::Amplitudes;
-use super::{Boundary, Crossing};
 use crate::math::{Real, Vector3};
 
 crate::choice! {

@@ -19,9 +19,9 @@
 //! With the electric field's components along them and a time factor `exp(-i w t)`, `Q = |E_x|^2 - |E_y|^2` and `U + i
 //! V = 2 E_x conj(E_y)`.
 
+use super::boundary::{Boundary, Crossing};
 use super::conductor::Metal;
 use super::polarised::Amplitudes;
-use super::{Boundary, Crossing};
 use crate::math::{Real, Vector3};
 
 /// Action of a surface on light, in the frame of its plane of incidence. All zero if no light goes this way.

@@ -1,6 +1,6 @@
 //! Shading normals that send no light through the surface.
 
-use super::reflect;
+use super::reflect::reflect;
 use crate::math::{LaneMask, Real, Vector3};
 
 /// Smallest sine of the angle between a surface and a secondary direction that an interpolated normal determined:

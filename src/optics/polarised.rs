@@ -1,6 +1,6 @@
 //! Reflectances for each polarisation.
 
-use super::{Boundary, Crossing};
+use super::boundary::{Boundary, Crossing};
 use crate::math::Real;
 
 /// Reflectances of a boundary for light polarised across (`s`, senkrecht) and in (`p`) the plane of incidence, each

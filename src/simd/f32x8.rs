@@ -5,7 +5,8 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{Mask8, magnitude};
+use super::magnitude;
+use super::mask8::Mask8;
 use crate::math::{self, Binary32, Real};
 
 /// Eight `f32` numbers, one a lane; 32 bytes, aligned to 32.

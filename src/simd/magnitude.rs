@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "intrinsics of the CPU")]
 
-use super::F32x8;
+use super::f32x8::F32x8;
 
 /// The form for every CPU.
 #[cfg(any(test, not(all(target_feature = "avx512dq", target_feature = "avx512vl"))))]

@@ -4,7 +4,7 @@ use std::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, Not};
 
 use wide::Select;
 
-use super::F32x8;
+use super::f32x8::F32x8;
 use crate::math::LaneMask;
 
 /// Eight truth values, one a lane: all bits of the lane set, or none.

@@ -1,9 +1,10 @@
 //! Rays kept in Embree's own layout, so that a benchmark times the calls alone.
 
+use super::options::Width;
 use super::packet::{self, Interval};
 use super::scene::Scene;
 use super::sys::{RtcRay1, RtcRay8, RtcRay16, RtcRayHit1, RtcRayHit8, RtcRayHit16, Valid};
-use super::{Embree, Width, query};
+use super::{Embree, query};
 use crate::accel::Coherence;
 use crate::geometry::{Hit, Hit8, Ray8};
 use crate::simd::{Mask8, set_lanes};

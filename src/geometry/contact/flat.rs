@@ -11,7 +11,10 @@ use rayon::prelude::*;
 use super::face::{Face, Form};
 use super::join::{self, Extent, Item};
 use super::{Found, overlap, repeats, tolerance};
-use crate::geometry::{Aabb, Geometry, Plane, Shape, TriMesh};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::plane::Plane;
+use crate::geometry::{Geometry, Shape};
 use crate::math::UNIT_ROUNDOFF;
 
 /// Triangles of a block.

@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Aabb, Geometry, Shape};
+use super::aabb::Aabb;
+use super::{Geometry, Shape};
 use crate::math::UNIT_ROUNDOFF;
 pub use face::{Face, Form};
 use grid::Partners;

@@ -7,7 +7,9 @@ use rayon::prelude::*;
 
 use super::face::{Face, Form};
 use super::{Found, Tangent, tolerance};
-use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::sphere::Sphere;
+use crate::geometry::{Geometry, Shape};
 
 /// The gap next to a contact counts as closed below so many times the distance that the starts of rays are moved by.
 const GAP: f64 = 4.0;

@@ -1,7 +1,8 @@
 //! The notes' three algebraic forms. They are equal in exact arithmetic and, except near index ratio 1, in rounding.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula};
+use super::{Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
 /// Heckbert's method, as derived in the slides on reflection and refraction rays: `t = eta i + (eta c - sqrt(1 - eta^2
 /// (1 - c^2))) n`.

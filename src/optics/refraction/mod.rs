@@ -13,7 +13,7 @@ pub use algebraic::{Bec, Heckbert, SlidesVector};
 pub use oliveira::Oliveira;
 pub use trigonometric::Trigonometric;
 
-use super::{Boundary, Crossing};
+use super::boundary::{Boundary, Crossing};
 use crate::math::{LaneMask, Real, Vector3};
 
 crate::choice! {

@@ -1,8 +1,9 @@
 //! Refraction by a vector sum.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula, RefractionModel};
+use super::{Refracted, RefractionFormula, RefractionModel};
 use crate::choice::Constant;
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
 /// Oliveira's approximation, as in the textbook section (equation 6.28): `t = i - c n`, normalised, with a constant `c`
 /// for a medium entered from air; `tan(th_t) = sin(th_i) / (cos(th_i) + c)`.

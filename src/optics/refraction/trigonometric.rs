@@ -1,7 +1,8 @@
 //! Refraction by computing the angles.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula};
+use super::{Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
 /// Snell's law with angles, as both sets of slides begin: `th1 = acos(-(i . n))`, `th2 = asin(eta sin(th1))`, `t =
 /// sin(th2) v1 - cos(th2) n` with `v1 = i_perp / |i_perp|` and `i_perp = i + cos(th1) n`.
