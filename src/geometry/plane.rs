@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::COORDINATE_LIMIT;
+use super::limit::COORDINATE_LIMIT;
 use super::ray::Ray;
 use super::slab::upper_end;
 use crate::math::{Real, Vector3};

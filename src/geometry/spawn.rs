@@ -3,7 +3,8 @@
 
 use super::hit::Hit;
 use super::ray::Ray;
-use super::{Shape, sphere};
+use super::shape::Shape;
+use super::sphere;
 use crate::math::{LaneMask, Real, Vector3, gamma};
 
 /// Upper bound of the difference between 1 and the squared length of a plane's normal ([`super::Plane::is_usable`]).

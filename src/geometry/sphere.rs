@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::COORDINATE_LIMIT;
 use super::aabb::Aabb;
+use super::limit::COORDINATE_LIMIT;
 use super::ray::Ray;
 use super::slab::{SlabRay, grown, upper_end};
 use crate::math::{Real, Vector3, next_down, next_up};

@@ -10,8 +10,7 @@ use ::exr::prelude::{
 
 use super::encode::Clipped;
 use super::film::Film;
-use super::format::cannot_hold;
-use super::format::{Encoded, Format};
+use super::format::{Encoded, Format, cannot_hold};
 use crate::Result;
 
 /// Encodes a film as three binary32 channels, compressed without loss, rows in order.

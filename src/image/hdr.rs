@@ -2,8 +2,7 @@
 
 use super::encode::Clipped;
 use super::film::Film;
-use super::format::cannot_hold;
-use super::format::{Encoded, Format};
+use super::format::{Encoded, Format, cannot_hold};
 use crate::Result;
 
 /// Largest value: mantissa 255 of 256 under the largest exponent whose power `f32` represents.

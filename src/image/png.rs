@@ -4,8 +4,7 @@ use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRender
 
 use super::encode::{Clipped, linear_from_srgb};
 use super::film::Film;
-use super::format::cannot_hold;
-use super::format::{Bits, Encoded, Format};
+use super::format::{Bits, Encoded, Format, cannot_hold};
 use crate::Result;
 
 /// Encodes a film as RGB without alpha, marked as sRGB.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::file::{Encoding, encode};
 use super::film::Film;
-use super::format::{Bits, Encoding, Format, encode};
+use super::format::{Bits, Format};
 use super::write::Destination;
 use crate::Result;
 

@@ -1,5 +1,6 @@
 //! Reflectance of metals.
 
+use super::schlick::schlick;
 use crate::math::Real;
 
 /// Reflectance of a metal at normal incidence: `((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)`.
@@ -14,7 +15,7 @@ pub fn conductor_at_normal<R: Real>(eta: R, k: R) -> R {
 /// to 0.01 (silver), 0.02 (gold), 0.04 (copper), 0.1 (aluminium) and 0.2 (chromium).
 #[inline(always)]
 pub fn conductor_schlick<R: Real>(cos_i: R, eta: R, k: R) -> R {
-    super::fresnel::schlick(conductor_at_normal(eta, k), cos_i)
+    schlick(conductor_at_normal(eta, k), cos_i)
 }
 
 /// The Fresnel equations for a metal, unpolarised, 0..=1 (Born & Wolf, section 14.2). The relative error is at most

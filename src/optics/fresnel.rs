@@ -3,6 +3,7 @@
 use super::boundary::{Boundary, Crossing};
 use super::conductor::{conductor_at_normal, conductor_exact, conductor_schlick};
 use super::polarised::Amplitudes;
+use super::schlick::schlick;
 use crate::math::{Real, Vector3};
 
 crate::choice! {
@@ -106,14 +107,6 @@ impl FresnelFormula for AtNormal {
     fn conductor<R: Real>(_cos_i: R, eta: R, k: R) -> R {
         conductor_at_normal(eta, k)
     }
-}
-
-/// Schlick's formula for a given cosine. At most 1, to the bit, for `r0` in 0..=1.
-#[inline(always)]
-pub(super) fn schlick<R: Real>(r0: R, cos: R) -> R {
-    let m = (R::one() - cos).max(R::zero());
-    let m2 = m * m;
-    (R::one() - r0).fma(m2 * m2 * m, r0)
 }
 
 /// Reflectance of a thin pane with all its inner reflections summed, `2 R / (1 + R)`, from one face's `R`.

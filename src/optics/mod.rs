@@ -17,6 +17,7 @@ mod planar;
 mod polarised;
 mod reflect;
 mod refraction;
+mod schlick;
 mod spectrum;
 
 pub use absorb::{absorption_from_colour, transmittance};

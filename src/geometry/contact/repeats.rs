@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::Found;
+use super::found::Found;
 use crate::geometry::mesh::TriMesh;
 
 /// Bits of the filter for each triangle.

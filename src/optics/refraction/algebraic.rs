@@ -1,6 +1,6 @@
 //! The notes' three algebraic forms. They are equal in exact arithmetic and, except near index ratio 1, in rounding.
 
-use super::{Refracted, RefractionFormula};
+use super::formula::{Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
 use crate::optics::boundary::{Boundary, Crossing};
 

@@ -1,6 +1,6 @@
 //! Refraction by a vector sum.
 
-use super::{Refracted, RefractionFormula, RefractionModel};
+use super::formula::{Refracted, RefractionFormula};
 use crate::choice::Constant;
 use crate::math::{Real, Vector3};
 use crate::optics::boundary::{Boundary, Crossing};
@@ -59,8 +59,8 @@ impl Constant for Oliveira {
 }
 
 impl RefractionFormula for Oliveira {
-    fn of(model: RefractionModel) -> Self {
-        if let RefractionModel::Oliveira(formula) = model { formula } else { Self::default() }
+    fn with_constant(constant: Option<f64>) -> Self {
+        constant.map_or_else(Self::default, |c| Self { c })
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Refraction by computing the angles.
 
-use super::{Refracted, RefractionFormula};
+use super::formula::{Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
 use crate::optics::boundary::{Boundary, Crossing};
 
