@@ -3,13 +3,19 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::Renamed;
 use super::options::{Options, Spheres};
 use super::scene::SceneBuilder;
 use super::sphere::SphereGroup;
 use crate::accel::BuildStats;
 use crate::error::Result;
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
+
+/// Geometry id of Embree whose primitives have other ids in hits.
+pub struct Renamed {
+    pub id: u32,
+    /// (geometry, primitive) for each of Embree's primitives.
+    pub names: Vec<(u32, u32)>,
+}
 
 /// Counts and names collected while scenes are filled.
 pub struct Filling<'a> {

@@ -1,10 +1,10 @@
 //! Rays kept in Embree's own layout, so that a benchmark times the calls alone.
 
+use super::hierarchy::{Embree, query};
 use super::options::Width;
 use super::packet::{self, Interval};
 use super::scene::Scene;
-use super::sys::{RtcRay1, RtcRay8, RtcRay16, RtcRayHit1, RtcRayHit8, RtcRayHit16, Valid};
-use super::{Embree, query};
+use super::sys::{QueryArguments, RtcRay1, RtcRay8, RtcRay16, RtcRayHit1, RtcRayHit8, RtcRayHit16, Valid};
 use crate::accel::Coherence;
 use crate::geometry::{Hit, Hit8, Ray8};
 use crate::simd::{Mask8, set_lanes};
@@ -115,7 +115,7 @@ impl Embree {
     }
 
     #[inline(always)]
-    fn trace_scene(scene: &Scene, packed: &mut Packed, query: &super::QueryArguments) {
+    fn trace_scene(scene: &Scene, packed: &mut Packed, query: &QueryArguments) {
         let live = &packed.live;
         match &mut packed.calls {
             Calls::None => {}
@@ -203,7 +203,7 @@ fn with16(live: u16, call: impl FnOnce(&Valid<16>)) {
 mod tests {
     use glam::Vec3;
 
-    use super::super::tests::library;
+    use super::super::hierarchy::tests::library;
     use super::super::{Embree, Mode, Options, Scratch, Width};
     use super::Packed;
     use crate::accel::{Coherence, Intersector};
