@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::options::{Bench, refuse_input};
-use super::{Verdict, interrupt, output, progress, view};
+use self::options::Bench;
+use super::options::refuse_input;
+use super::verdict::Verdict;
+use super::{interrupt, output, progress, view};
 use crate::accel::embree;
 use crate::load::shapes::{self, Wave};
 use crate::load::{self, LoadOptions, Loaded};

@@ -1,9 +1,10 @@
 //! Validated options of `vitrum price --formulas`.
 
-use crate::cli::args::PriceArgs;
+use super::args::FormulasArgs;
+use crate::Result;
+use crate::accel::BuildQuality;
 use crate::cli::options::choices::no_hierarchy;
 use crate::study::formulas::{Kind, Plan};
-use crate::{Error, Result};
 
 /// Formulas to time and judge.
 #[derive(Debug)]
@@ -13,10 +14,12 @@ pub(in crate::cli) struct Formulas {
     pub json: bool,
 }
 
-impl TryFrom<PriceArgs> for Formulas {
-    type Error = Error;
-
-    fn try_from(PriceArgs { formulas: args, bvh, json, .. }: PriceArgs) -> Result<Self> {
+impl Formulas {
+    /// Converts the arguments. `bvh` and `json` are those of `vitrum price`.
+    ///
+    /// # Errors
+    /// Usage if a build quality is given.
+    pub fn new(args: FormulasArgs, bvh: Option<BuildQuality>, json: bool) -> Result<Self> {
         if bvh.is_some() {
             return Err(no_hierarchy("formulas have"));
         }

@@ -9,8 +9,10 @@ use std::sync::atomic::Ordering;
 
 use glam::Vec3;
 
-use super::options::{Exposure, Map, refuse_input};
-use super::{Verdict, backend, interrupt, metadata, output, progress};
+use self::options::Map;
+use super::options::{Exposure, refuse_input};
+use super::verdict::Verdict;
+use super::{backend, interrupt, metadata, output, progress};
 use crate::accel::BuildQuality;
 use crate::image::{self, Bits, Encoding, MOST_PIXELS};
 use crate::load::{self, LoadOptions, Loaded};

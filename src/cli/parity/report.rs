@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use glam::Vec3;
 
 use super::contenders::Contenders;
+use super::options::Parity;
 use super::pixels::{Pixels, TOLERANCE, Worst};
 use crate::accel::reference::{Cause, Fault};
-use crate::cli::options::Parity;
 use crate::cli::warnings::Warnings;
 use crate::measure::table::{counted, grouped};
 use crate::scene::Scene;
@@ -413,7 +413,7 @@ impl Example {
 mod tests {
     use super::*;
     use crate::accel::BuildQuality;
-    use crate::cli::args::{Cli, Command};
+    use crate::cli::command::{Cli, Command};
     use crate::trial::parity::Finding;
 
     /// Report of one set in which the finding on native's closest hits is `finding`.

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::args::PixelArgs;
 use crate::accel::Backend;
-use crate::cli::args::PixelArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::refraction;
 use crate::cli::options::{Overrides, refuse_input};

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::Findings;
 use super::align::Row;
+use super::findings::Findings;
 use crate::math::ulp;
 use crate::render::RayKind;
 use crate::render::record::{Event, Met, Node, Source, Tree};

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 
-use super::Findings;
 use super::align::Row;
+use super::findings::Findings;
 use super::text::{self, Totals, digits};
 use crate::render::RayKind;
 use crate::render::record::Source;

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::align::Row;
-use super::condition::TOLERANCE;
+use super::condition::{Condition, TOLERANCE};
+use super::findings::{Findings, Side};
 use super::quantity::{self, Quantity};
-use super::{Findings, Side};
 use crate::render::RayKind;
 use crate::render::record::{Event, Met, Source};
 use crate::scene::{Interface, LightKind, Scene};
@@ -100,7 +100,7 @@ pub(super) fn of_the_pixel(narrow: &Side, wide: &Side) -> Vec<Quantity> {
 }
 
 fn conditions(findings: &Findings) -> Vec<String> {
-    let tell = |c: &super::Condition| match c.ulps {
+    let tell = |c: &Condition| match c.ulps {
         Some(ulps) => {
             format!("ill-conditioned: {ulps} ulp{} move it by over {TOLERANCE}", if ulps == 1.0 { "" } else { "s" })
         }

@@ -6,8 +6,9 @@ pub(super) mod options;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::options::Price;
-use super::{Verdict, backend, interrupt, output, progress};
+use self::options::Price;
+use super::verdict::Verdict;
+use super::{backend, interrupt, output, progress};
 use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::load::{self, LoadOptions};

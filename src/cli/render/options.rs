@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::args::RenderArgs;
 use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::RenderArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::{no_hierarchy, refraction};
-use crate::cli::options::{Overrides, effects, format_of, refuse_input};
+use crate::cli::options::{Exposure, Overrides, effects, format_of, refuse_input};
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, RefractionModel};
@@ -41,19 +41,6 @@ pub(in crate::cli) struct Render {
     pub strict: bool,
     pub json: bool,
     pub quiet: bool,
-}
-
-/// Factor on all colours, `2^ev`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::cli) struct Exposure {
-    pub ev: f32,
-}
-
-impl Exposure {
-    /// Returns the factor.
-    pub fn factor(self) -> f32 {
-        self.ev.exp2()
-    }
 }
 
 impl TryFrom<RenderArgs> for Render {

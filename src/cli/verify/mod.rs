@@ -6,9 +6,10 @@ pub(super) mod options;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::options::Verify;
+use self::options::Verify;
+use super::verdict::Verdict;
 use super::warnings::Warnings;
-use super::{Verdict, backend, interrupt, output, progress};
+use super::{backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::Backend;
 use crate::measure::table::{counted, grouped};

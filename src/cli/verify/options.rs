@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::args::VerifyArgs;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::VerifyArgs;
 use crate::cli::choice::PathArg;
 use crate::cli::options::choices::no_hierarchy;
 use crate::error::{Error, Result, Unavailable};

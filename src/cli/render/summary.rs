@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::backend::{Renderer, Traced};
 use super::budget::Spent;
 use super::options::Render;
 use super::systems::Systems;
-use super::table::rays;
-use super::unmatched::{Leak, Unmatched};
-use super::warnings::Warnings;
+use crate::cli::backend::{Renderer, Traced};
+use crate::cli::table::rays;
+use crate::cli::unmatched::{Leak, Unmatched};
+use crate::cli::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
 use crate::measure::table::{bytes, counted, grouped};

@@ -1,11 +1,11 @@
 //! `vitrum render --max-error` and `--time-budget`: reports the choice of settings, its reasons, and the result of the
 //! check.
 
-use super::backend::{Renderer, Traced};
 use super::options::Render;
-use super::render::picture;
-use super::{interrupt, output};
+use super::picture::picture;
 use crate::accel::Backend;
+use crate::cli::backend::{Renderer, Traced};
+use crate::cli::{interrupt, output};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::study::budget::check::{self, Check};
