@@ -143,6 +143,24 @@ fn every_test_file_belongs_to_a_binary() {
     }
 }
 
+/// The most lines of a file of `src`.
+const MOST_LINES: usize = 500;
+
+#[test]
+fn every_file_is_short_enough_to_be_read_at_once() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    let lines = |file: &PathBuf| std::fs::read_to_string(file).expect("source can be read").lines().count();
+    let long: Vec<String> = files
+        .iter()
+        .map(|file| (file, lines(file)))
+        .filter(|(_, lines)| *lines > MOST_LINES)
+        .map(|(file, lines)| format!("{}: {lines} lines", file.display()))
+        .collect();
+    assert!(long.is_empty(), "more than {MOST_LINES} lines, so divide:\n{}", long.join("\n"));
+}
+
 /// Folders of `src` in which no file or folder may import, through others, itself.
 const WITHOUT_CYCLES: &[&str] =
     &["accel/embree", "accel/native", "cli", "geometry", "image", "math", "measure", "optics", "simd", "system"];

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read as _;
 
-use super::run::Subject;
+use super::subject::Subject;
 use crate::geometry::{Shape, TriMesh};
 use crate::scene::Scene;
 
