@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::Shape;
@@ -20,7 +20,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     let finding = |object: usize| {
         let eye = facts.scene.camera.eye;
         Finding {
-            place: Place::object(facts.scene, object),
+            place: FileLocation::object(facts.scene, object),
             wrong: format!("the camera is inside {}, which is opaque, and no light is in there", facts.name(object)),
             because: format!("`eye = [{}, {}, {}]` lies within its closed surface", eye.x, eye.y, eye.z),
             cure: String::from("move the camera or the object, make the object transparent, or put a [[light]] inside"),

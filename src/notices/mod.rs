@@ -20,7 +20,7 @@ mod view;
 
 pub use facts::Facts;
 pub use inside_out::CURE as INSIDE_OUT_CURE;
-pub use notice::{Finding, Notice, Place};
+pub use notice::{FileLocation, Finding, Notice};
 pub use survey::survey;
 
 use crate::render::Outcome;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::facts::Facts;
 use super::inside::{dark_body, glows};
 use super::nothing_seen::is_visible;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::render::Outcome;
 use crate::render::record::Source;
@@ -32,7 +32,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     };
     let (because, cure) = reason(facts);
     let wrong = format!("no light reaches {}{others}", facts.name(first));
-    vec![Finding { place: Place::object(facts.scene, first), wrong, because, cure }]
+    vec![Finding { place: FileLocation::object(facts.scene, first), wrong, because, cure }]
 }
 
 /// Returns true if an object is visible, dark without lamps, and reflects lamp light.

@@ -22,7 +22,7 @@ pub use map::MapKind;
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
 pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
-pub use validate::{Part, Place, SceneError};
+pub use validate::{Part, SceneEntry, SceneError};
 
 use glam::DVec3;
 

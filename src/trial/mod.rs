@@ -19,5 +19,5 @@ pub mod verify;
 
 pub use rays::{Picture, RayKind, RaySet, View};
 pub use report::Report;
-pub use run::{BenchPlan, Outcome, Subject};
+pub use run::{BenchPlan, BenchSubject, Outcome};
 pub use timing::Watch;
