@@ -19,6 +19,7 @@ mod pixel;
 mod price;
 mod progress;
 mod render;
+mod repeat;
 mod table;
 mod unmatched;
 mod usage;
@@ -26,6 +27,7 @@ mod verdict;
 mod verify;
 mod view;
 mod warnings;
+mod wording;
 
 use std::process::ExitCode;
 

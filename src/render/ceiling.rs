@@ -13,11 +13,11 @@
 use glam::{DVec3, Vec3};
 
 use super::options::Options;
+use crate::error::{Result, Unsupported};
 use crate::geometry::{Shape, Spot, TriMesh};
 use crate::optics::FresnelModel;
 use crate::scene::{Colour, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, MirrorSource};
 use crate::scene::{Object, Rgb, Scene};
-use crate::{Error, Result};
 
 /// Relative margin for rounding in `f32`, where cosines and lobes may exceed 1 by a few roundings.
 const ROUNDED_UP: f64 = 1.0 + 1e-5;
@@ -37,7 +37,7 @@ impl Ceiling {
     pub fn of(scene: &Scene) -> Result<Self> {
         let ceiling = Self::with(scene, |number, object, material| of_base(scene, number, object, material))?;
         if ceiling.by_depth.iter().any(|most| !most.is_finite()) {
-            return Err(refused("the light of this scene adds up beyond all bounds"));
+            return Err(Unsupported::UnboundedLight.into());
         }
         Ok(ceiling)
     }
@@ -81,23 +81,16 @@ impl Ceiling {
     ///   together weigh more than the ray, by a factor at each surface. After a few surfaces no useful bound is left.
     /// - The reflected part stays one white ray, although each of its wavelengths has its own polarisation.
     pub fn asked(scene: &Scene, options: &Options) -> Result<Option<Self>> {
-        let (flag, reason) = match options {
-            Options { cutoff_error: Some(_), .. } => (
-                "--cutoff-error",
-                "single wavelengths have negative channels, and together weigh more than the white ray they split from",
-            ),
-            Options { fresnel: FresnelModel::Polarised, .. } => (
-                "--fresnel polarised",
-                "reflected light stays one white ray, although each of its wavelengths is polarised differently",
-            ),
-            _ => return Ok(None),
+        let reason = |medium: String| match options {
+            Options { cutoff_error: Some(_), .. } => Some(Unsupported::ProofWithDispersion { medium }),
+            Options { fresnel: FresnelModel::Polarised, .. } => {
+                Some(Unsupported::PolarisationWithDispersion { medium })
+            }
+            _ => None,
         };
-        if let Some(medium) = scene.media.iter().find(|m| m.disperses()) {
-            return Err(Error::Usage(format!(
-                "{flag} does not work in scenes whose media disperse light, as `{}` does: {reason}; add --no-dispersion \
-                 or leave the option out",
-                medium.name
-            )));
+        let dispersing = scene.media.iter().find(|m| m.disperses());
+        if let Some(reason) = dispersing.and_then(|medium| reason(medium.name.clone())) {
+            return Err(reason.into());
         }
         options.cutoff_error.map(|error| Self::tolls(scene, error)).transpose()
     }
@@ -116,10 +109,6 @@ impl Ceiling {
     pub fn at(&self, depth: usize) -> DVec3 {
         self.by_depth[depth.min(self.by_depth.len() - 1)]
     }
-}
-
-fn refused(reason: &str) -> Error {
-    Error::Usage(format!("--cutoff-error: {reason}; take --cutoff instead"))
 }
 
 /// Bounds a surface's base plus its secondary rays, where rays of the next depth bring at most `beyond`.
@@ -217,11 +206,8 @@ fn most_share(light: &Light, shape: &Shape, object: &Object) -> Result<f64> {
         origin if origin.line > 0 => format!(" ({}:{})", origin.file, origin.line),
         _ => String::new(),
     };
-    Err(refused(&format!(
-        "no bound exists on the cut light: `{}` has inverse-square falloff and touches object `{}`{place} to within \
-         rounding; move one of them, or give the light falloff = \"none\"",
-        light.name, object.name
-    )))
+    let (light, object) = (light.name.clone(), object.name.clone());
+    Err(Unsupported::LightTouchesSurface { light, object, place }.into())
 }
 
 /// Returns a lower bound on the distance between a shape and a parallelogram, given by its middle and half edges. The

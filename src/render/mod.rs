@@ -70,13 +70,13 @@ use glam::Vec3;
 
 use crate::accel::{Coherence, Intersector, Shafts};
 use crate::effects::{self, Effect, Reach};
+use crate::error::{Error, Result, Unsupported};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray, Ray8};
 use crate::image::Film;
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
-use crate::{Error, Result};
 use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
@@ -346,7 +346,7 @@ fn render_tiles<I: Intersector>(
 ///
 /// # Errors
 /// - [`Error::Interrupted`] if the observer requests a stop.
-/// - [`Error::Usage`] if rays carry polarisation or budgets.
+/// - [`Error::Unsupported`] if rays carry polarisation or budgets.
 pub fn recorded<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -358,10 +358,7 @@ pub fn recorded<I: Intersector>(
     let facts = SceneFacts::of(scene, accel, options);
     let (stages, media) = (facts.stages(scene, options), facts.media());
     if stages.carries {
-        return Err(Error::Usage(String::from(
-            "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
-             take another --fresnel, or leave out --cutoff-error",
-        )));
+        return Err(Unsupported::RecordOfCarried.into());
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;

@@ -14,7 +14,7 @@ use crate::scene::Scene;
 pub fn of(subject: &Subject) -> String {
     let mut hasher = DefaultHasher::new();
     scene(subject.scene, &mut hasher);
-    subject.default.flags().hash(&mut hasher);
+    format!("{:?}", subject.default).hash(&mut hasher);
     (subject.size, subject.threads, &subject.machine.cpu, subject.machine.processors).hash(&mut hasher);
     subject.machine.embree.as_ref().map(|e| (&e.version, &e.file)).hash(&mut hasher);
     (subject.machine.vitrum, subject.machine.simd).hash(&mut hasher);

@@ -22,7 +22,7 @@ use crate::{Error, Result};
 ///
 /// # Errors
 /// - `Error::Io` if a file cannot be read or written.
-/// - `Error::Usage` if the folder contains another study.
+/// - `Error::Unsupported` if the folder contains another study.
 /// - `Error::Limit` if the default back end is not available.
 /// - `Error::Interrupted` if stopped before there is anything to report.
 pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Result<Report> {
@@ -63,7 +63,7 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
         Err(e) => return Err(e),
     };
     let size = [width, height];
-    let rows = report::rows(&session.journal, &subject.default, |v| v.command(subject.path, size));
+    let rows = report::rows(&session.journal, &subject.default, |v| (subject.repeat)(v, subject.path, size));
     let counts = scene.shape_counts();
     let mut left_out: Vec<String> = session.left_out.iter().map(LeftOut::to_string).collect();
     if !session.late.is_empty() {

@@ -127,7 +127,7 @@ impl Session<'_> {
             .zip([0.15, 0.15, 0.45])
             .find(|((_, seconds), share)| *seconds < share * left);
         let Some(((variant, _), _)) = chosen else {
-            let why = format!("it would take some {plain_seconds:.0} s; give more --limit or less --size");
+            let why = format!("it would take some {plain_seconds:.0} s; give more time or a smaller size");
             self.left_out.push(LeftOut::new("sampling against 16x16", why));
             return Ok(());
         };

@@ -32,6 +32,8 @@ pub struct Subject<'a> {
     pub combine: bool,
     /// Command that started the study.
     pub command: String,
+    /// Function that returns the command which repeats a variant's picture of the scene in this file, of this size.
+    pub repeat: fn(&Variant, &Path, [u32; 2]) -> String,
     /// Machine that it runs on.
     pub machine: Machine,
 }
