@@ -40,7 +40,7 @@ fn traversal(c: &mut Criterion) {
             for contender in &mut contenders {
                 let label = contender.label();
                 group.bench_function(
-                    format!("{}/{}/{}", set.kind.name(), label.backend.mode_name(), label.mode),
+                    format!("{}/{}/{}", set.kind.name(), label.backend.mode_name(), label.mode.name()),
                     |b| {
                         b.iter_custom(|n| {
                             let mut time = Duration::ZERO;

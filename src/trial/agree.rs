@@ -138,8 +138,9 @@ fn apart(a: &Hit, b: &Hit) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contender::contenders;
+    use super::super::contender::Mode;
     use super::super::rays::{Picture, RayKind, View, all, bounds};
+    use super::super::streams::contenders;
     use super::super::team::Team;
     use super::*;
     use crate::accel::{Accel, Backend, BuildQuality};
@@ -163,7 +164,7 @@ mod tests {
         vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }]
     }
 
-    const WRONG: Label = Label { backend: Backend::Native, mode: "wrong" };
+    const WRONG: Label = Label { backend: Backend::Native, mode: Mode::Only("wrong") };
 
     /// Compares the native path's answers with the same answers after `spoil` has changed them.
     fn spoiled(kind: RayKind, spoil: impl Fn(&mut Answers)) -> Vec<Disagreement> {
@@ -225,7 +226,7 @@ mod tests {
     #[test]
     fn only_embree_may_leak() {
         let finding = |backend, fault| {
-            let label = Label { backend, mode: "auto" };
+            let label = Label { backend, mode: Mode::Auto };
             Disagreement { label, rays: "primary", wrong: 1, judged: 1, differ: 1, fault, ray: 0 }.refuses()
         };
         assert!(finding(Backend::Native, Fault::Leak) && finding(Backend::EmbreeFast, Fault::MissedHit));

@@ -12,6 +12,7 @@ pub mod rays;
 pub mod report;
 pub mod run;
 pub mod shown;
+pub mod streams;
 pub mod team;
 pub mod text;
 pub mod timing;

@@ -1,9 +1,10 @@
 //! A whole trial: builds, checks that all contenders find the same, and times them.
 
 use super::agree::{Disagreement, Judge};
-use super::contender::{self, Answers, Contender};
+use super::contender::{Answers, Contender};
 use super::rays::{self, Picture, RayKind, RaySet, View};
 use super::report::{Build, Ratio, Report, Row};
+use super::streams::contenders;
 use super::team::Team;
 use super::timing::{self, Watch};
 use crate::Result;
@@ -123,7 +124,7 @@ impl Built {
     /// Returns all contenders; the first is native as in renders.
     #[must_use]
     pub fn contenders(&self) -> Vec<Box<dyn Contender + '_>> {
-        self.0.iter().flat_map(contender::contenders).collect()
+        self.0.iter().flat_map(contenders).collect()
     }
 }
 
