@@ -14,6 +14,23 @@ pub(super) struct Systems {
     mirrors: Option<Mirrors>,
     #[serde(skip_serializing_if = "Option::is_none")]
     maps: Option<Maps>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    images: Option<Images>,
+}
+
+/// Virtual scenes behind mirror balls.
+#[derive(serde::Serialize)]
+struct Images {
+    reflectors: usize,
+    triangles: u64,
+    /// Points that the eye sees in a reflector, and points that were moved.
+    seen: [u64; 2],
+    /// Triangles left out because they reach into a reflector.
+    inside: u64,
+    /// Reflections of other reflectors, and of these where something else shows them.
+    traced_reflections: u64,
+    /// Reflectors without a virtual scene, with the reasons.
+    traced: Vec<String>,
 }
 
 /// Planar mirrors in which the camera was mirrored.
@@ -76,7 +93,16 @@ impl Systems {
             traced_reflections: report.traced,
             traced: report.maps.without.iter().map(|&(object, why)| named(object, why)).collect(),
         });
-        (mirrors.is_some() || maps.is_some()).then_some(Self { mirrors, maps })
+        let images = outcome.images.as_ref().map(|report| Images {
+            reflectors: report.reflectors,
+            triangles: report.triangles,
+            seen: report.seen,
+            inside: report.inside,
+            traced_reflections: report.traced,
+            traced: report.without.iter().map(|&(object, why)| named(object, why)).collect(),
+        });
+        let any = mirrors.is_some() || maps.is_some() || images.is_some();
+        any.then_some(Self { mirrors, maps, images })
     }
 
     /// Names and values of lines of text.
@@ -111,6 +137,20 @@ impl Systems {
                 n => format!("; {} reflections traced", grouped(*n)),
             };
             lines.push(("maps", format!("{count} ({kind}, {texels} texels), taken in {seconds:.3} s{rays}")));
+            lines.extend(traced.iter().map(|reason| ("traced", reason.clone())));
+        }
+        if let Some(images) = &self.images {
+            let Images { reflectors, triangles, seen: [seen, moved], inside, traced_reflections, traced } = images;
+            let [triangles, unseen] = [*triangles, moved - seen].map(grouped);
+            let count = counted(*reflectors as u64, "virtual scene");
+            lines.push((
+                "virtual",
+                format!("{count} of {triangles} triangles; {unseen} of {} points unseen", grouped(*moved)),
+            ));
+            if *inside + *traced_reflections > 0 {
+                let [inside, rays] = [*inside, *traced_reflections].map(grouped);
+                lines.push(("", format!("{inside} triangles in a reflector left out; {rays} reflections traced")));
+            }
             lines.extend(traced.iter().map(|reason| ("traced", reason.clone())));
         }
         lines

@@ -97,6 +97,7 @@ mod tests {
             touching: crate::render::TouchingFound::default(),
             planar: None,
             maps: None,
+            images: None,
             seen: Seen::default(),
         }
     }

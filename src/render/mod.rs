@@ -15,6 +15,7 @@ mod extent;
 mod extra;
 mod eye;
 mod first_hits;
+mod images;
 mod lamp;
 mod light;
 mod limit;
@@ -56,7 +57,8 @@ pub use limit::Limit;
 pub use memory::need;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{
-    MapsReport, MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound,
+    ImagesReport, MapsReport, MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts,
+    TouchingFound,
 };
 pub use pattern::FilmRay;
 pub use shortfall::{Again, Cure, Shortfall};
@@ -73,10 +75,12 @@ use crate::effects::{self, Effect, Reach};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray, Ray8};
 use crate::image::Film;
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
+use images::{Virtual, VirtualRays};
 use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
@@ -176,6 +180,7 @@ fn picture<I: Intersector>(
         seen: counts.seen,
         planar: facts.mirrors.as_ref().map(|mirrors| counts.planar.of_mirrors(mirrors)),
         maps: facts.maps.as_ref().map(|taken| taken.report(counts.without_map)),
+        images: facts.images.as_ref().map(|images| images.report(counts.without_image)),
     })
 }
 
@@ -211,6 +216,7 @@ impl<'a, I: Intersector> Pixels<'a, I> {
                 let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
                 planar::possible(scene, facts.mirrors.as_ref())?;
                 let facts = facts.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
+                let facts = facts.with_images(scene, options)?;
                 Ok(self.facts.get_or_init(|| facts))
             }
         }
@@ -249,6 +255,10 @@ struct SceneFacts<'a> {
     mirrors: Option<Mirrors>,
     /// Maps that reflectors show, if any are asked for.
     maps: Option<Taken>,
+    /// Planes that raise what lies behind them, if any are asked for.
+    flats: Option<Mirrors>,
+    /// Virtual scenes of reflectors, if any are asked for.
+    images: Option<Virtual>,
     /// Object that camera rays pass.
     past: Option<u32>,
 }
@@ -263,7 +273,19 @@ impl<'a> SceneFacts<'a> {
             eye.retain(|&body| body != passed);
         }
         let mirrors = planar::mirrors(scene, options);
-        Self { bodies, contacts, touching, eye, shafts: None, mirrors, maps: None, past: options.past }
+        let flats = (options.bending() == RefractionModel::Raised).then(|| Mirrors::of(scene));
+        Self {
+            bodies,
+            contacts,
+            touching,
+            eye,
+            shafts: None,
+            mirrors,
+            maps: None,
+            flats,
+            images: None,
+            past: options.past,
+        }
     }
 
     /// Adds the shafts if the scene's area lamps need them.
@@ -275,6 +297,14 @@ impl<'a> SceneFacts<'a> {
     /// The same with maps.
     fn with_maps(self, maps: Option<Taken>) -> Self {
         Self { maps, ..self }
+    }
+
+    /// The same with virtual scenes, where they are asked for and rays carry nothing that would be lost there.
+    fn with_images(self, scene: &Scene, options: &Options) -> Result<Self> {
+        let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
+        let asked = options.reflection == Reflection::Virtual && !carries;
+        let images = asked.then(|| Virtual::of(scene)).transpose()?;
+        Ok(Self { images, ..self })
     }
 
     /// Picks the stages that the scene needs.
@@ -311,6 +341,10 @@ fn render_tiles<I: Intersector>(
         if let Some(mirrors) = &facts.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
+        if let Some(images) = &facts.images {
+            worker.shading.virtual_rays = VirtualRays::new(images);
+        }
+        worker.shading.flats = facts.flats.as_ref();
         worker.shading.maps = facts.maps.as_ref().map(|taken| &*taken.maps);
         let mut results = Vec::new();
         loop {
@@ -364,6 +398,7 @@ pub fn recorded<I: Intersector>(
         )));
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
+    worker.shading.flats = facts.flats.as_ref();
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
     let PixelMean { radiance, truncated, .. } = worker.shading.accumulator.mean(0, samples);
@@ -392,6 +427,7 @@ struct ThreadCounts {
     seen: Seen,
     planar: PlanarCounts,
     without_map: u64,
+    without_image: u64,
 }
 
 impl ThreadCounts {
@@ -405,6 +441,7 @@ impl ThreadCounts {
             seen: worker.seen(),
             planar: PlanarCounts::of(&worker.shading.passes),
             without_map: worker.shading.without_map,
+            without_image: worker.shading.virtual_rays.traced,
         }
     }
 
@@ -417,5 +454,6 @@ impl ThreadCounts {
         self.seen.merge(&o.seen);
         self.planar.merge(&o.planar);
         self.without_map += o.without_map;
+        self.without_image += o.without_image;
     }
 }

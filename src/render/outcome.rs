@@ -41,6 +41,25 @@ pub struct Outcome {
     pub planar: Option<PlanarReport>,
     /// Maps that reflectors show, where that was asked for.
     pub maps: Option<MapsReport>,
+    /// Virtual scenes that reflectors show, where that was asked for.
+    pub images: Option<ImagesReport>,
+}
+
+/// Curved reflectors by virtual scenes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ImagesReport {
+    /// Reflectors with a virtual scene.
+    pub reflectors: usize,
+    /// Triangles of all virtual scenes.
+    pub triangles: u64,
+    /// Points with a place in a reflector where the eye sees them, of all points that were moved.
+    pub seen: [u64; 2],
+    /// Triangles left out because they reach into a reflector.
+    pub inside: u64,
+    /// Reflections that were traced: of other reflectors, and of these where something else shows them.
+    pub traced: u64,
+    /// Reflectors without a virtual scene, with the reasons.
+    pub without: Vec<(u32, &'static str)>,
 }
 
 /// Environment maps as reflections.

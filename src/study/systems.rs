@@ -2,6 +2,7 @@
 
 use crate::render::Reflection;
 use crate::scene::{MapKind, Scene};
+use crate::systems::images::Images;
 use crate::systems::maps::Maps;
 use crate::systems::planar::Mirrors;
 
@@ -16,6 +17,11 @@ pub(super) fn unfit(scene: &Scene, reflection: Reflection) -> Option<String> {
             mirrors.list.is_empty().then(|| {
                 curved.map_or_else(|| String::from("nothing reflects"), |c| format!("{c}; nothing planar reflects"))
             })
+        }
+        Reflection::Virtual => {
+            let (count, first) = Images::possible(scene);
+            let first = first.map(|(object, why)| named((object, why.into())));
+            (count == 0).then(|| first.unwrap_or_else(|| String::from("nothing reflects")))
         }
         Reflection::CubeMap | Reflection::SphereMap => {
             let (wanted, without) = Maps::wanted(scene, MapKind::Cube);

@@ -5,6 +5,8 @@
 //! differs from the traced one by the error of the system alone.
 
 pub mod alhazen;
+pub mod images;
 pub mod maps;
 pub mod planar;
 mod reflector;
+mod tessellate;

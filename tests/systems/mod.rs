@@ -3,8 +3,10 @@
 
 use crate::support;
 
+mod curved;
 mod maps;
 mod planar;
+mod raised;
 
 use vitrum::image::Film;
 use vitrum::render::{Observer, Options, Outcome, reference};

@@ -168,6 +168,7 @@ mod tests {
                 touching: TouchingFound::default(),
                 planar: None,
                 maps: None,
+                images: None,
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

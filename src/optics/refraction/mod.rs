@@ -6,10 +6,12 @@
 
 mod algebraic;
 mod oliveira;
+mod raised;
 mod trigonometric;
 
 pub use algebraic::{Bec, Heckbert, SlidesVector};
 pub use oliveira::Oliveira;
+pub use raised::Raised;
 pub use trigonometric::Trigonometric;
 
 use super::{Boundary, Crossing};
@@ -23,6 +25,8 @@ crate::choice! {
     pub enum RefractionModel("refraction", default(Stable), visitor(RefractionVisitor, RefractionFormula)) {
         /// No refraction: light goes straight on.
         "straight" => StraightThrough by StraightThrough,
+        /// Raised objects behind planar surfaces, each at its depth times the ratio of indices; Snell's law at curved ones.
+        "raised" => Raised by Raised,
         /// Oliveira's approximation.
         "oliveira" => Oliveira(formula: Oliveira = Oliveira::GLASS) by formula,
         /// Snell's law by Bec's method.
@@ -51,6 +55,9 @@ pub struct Refracted<R: Real> {
 
 /// Refraction formula as a type, so that a shading stage is compiled for it and holds no branch.
 pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
+    /// True if it is for planar surfaces alone; curved ones then refract by [`Stable`].
+    const FLAT_ONLY: bool = false;
+
     /// The formula of `model`, where it is one of this type.
     #[must_use]
     fn of(model: RefractionModel) -> Self {

@@ -168,6 +168,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
             Reflection::None => self.not_reflected(at, lobe.share),
             Reflection::CubeMap | Reflection::SphereMap => self.reflected_in_map(at, lobe),
             Reflection::Planar => self.reflected_by_matrix(at, lobe),
+            Reflection::Virtual => self.reflected_in_virtual_scene(at, lobe),
         }
     }
 
@@ -200,6 +201,10 @@ impl Prepared<'_> {
                 formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
             }
         }
-        self.refraction.dispatch(Of(boundary, at, crossing))
+        // Only what lies behind a plane is raised as a whole.
+        let flat = || self.flats.as_ref().is_some_and(|flats| flats.at(at.id.0, at.id.1).is_some());
+        let curved = self.refraction == RefractionModel::Raised && !flat();
+        let model = if curved { RefractionModel::Stable } else { self.refraction };
+        model.dispatch(Of(boundary, at, crossing))
     }
 }

@@ -12,6 +12,7 @@ mod condition;
 mod direct;
 mod disperse;
 mod divide;
+mod images;
 mod light;
 mod media;
 mod mirrored;
@@ -43,6 +44,7 @@ use crate::system::threads;
 use crate::systems::maps::Proxy;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
+use images::Virtual64;
 use media::{Filled, MediumStack};
 pub use tally::Tally;
 use trace::Tracer;
@@ -65,6 +67,10 @@ pub struct Prepared<'a> {
     mirror_levels: u32,
     /// Maps that reflectors show, if any were taken, and the stand-in for their surroundings.
     maps: Option<Taken>,
+    /// Virtual scenes of reflectors, if any were made.
+    images: Option<Virtual64>,
+    /// Planes that raise what lies behind them, if any are asked for.
+    flats: Option<Mirrors>,
     proxy: Proxy,
     /// Object that camera rays pass.
     past: Option<u32>,
@@ -117,6 +123,8 @@ impl<'a> Prepared<'a> {
             mirrors,
             mirror_levels,
             maps: None,
+            images: None,
+            flats: (refraction == RefractionModel::Raised).then(|| Mirrors::of(scene)),
             proxy: options.proxy,
             past: options.past,
             total_is_lost,
@@ -293,6 +301,9 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
     Reference::need(&scene.geometry)?;
     let mut prepared = Prepared::with(scene, options);
     prepared.maps = Taken::of(scene, options, &ByReference { accel: &prepared.accel, observer })?;
+    if options.reflection == Reflection::Virtual {
+        prepared.images = Some(Virtual64::of(scene)?);
+    }
     picture(&prepared, options, observer)
 }
 
@@ -339,6 +350,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
             missed: counts.missed,
             lit: counts.lit,
         },
+        images: prepared.images.as_ref().map(|images| images.report(counts.without_image)),
         maps: prepared.maps.as_ref().map(|taken| taken.report(counts.without_map)),
         planar: mirrors.map(|mirrors| PlanarCounts::default().of_mirrors(mirrors)),
     })

@@ -13,7 +13,8 @@ use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::math::Real;
 use crate::optics::{
-    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
+    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, Stable, below_surface,
+    reflect,
 };
 use crate::scene::{FresnelRule, Interface, MOST_PASSES, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
@@ -102,7 +103,14 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     depth: usize,
 ) {
     let Refraction { boundary, at, weight, beyond } = light;
-    let Refracted { direction, total } = formula.refract(boundary, surface.incident, surface.shading, at);
+    let Refracted { mut direction, mut total } = formula.refract(boundary, surface.incident, surface.shading, at);
+    if R::FLAT_ONLY {
+        // Only what lies behind a plane is raised as a whole.
+        let flat = Mask8::from_bits(shading.flat(surface, lanes));
+        let bent = Stable.refract(boundary, surface.incident, surface.shading, at);
+        direction = Vec3x8::select(flat, direction, bent.direction);
+        total |= bent.total & !flat;
+    }
     let dir = direction.normalized();
     let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
     // Light that is not bent keeps its direction to the bit.
