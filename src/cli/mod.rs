@@ -18,6 +18,7 @@ mod parity;
 mod pixel;
 mod price;
 mod progress;
+mod reflections;
 mod render;
 mod summary;
 mod systems;
@@ -94,6 +95,9 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
         Command::Pixel(args) => pixel::run(&options::Pixel::try_from(args)?),
         Command::Price(args) if args.formulas.formulas => formulas::run(&options::Formulas::try_from(args)?),
+        Command::Price(args) if args.reflections.reflections => {
+            reflections::run(&options::Reflections::try_from(args)?)
+        }
         Command::Price(args) => price::run(options::Price::try_from(args)?),
         Command::Map(args) => map::run(&options::Map::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),

@@ -14,6 +14,7 @@ pub(super) use super::map::options::Map;
 pub(super) use super::parity::options::Parity;
 pub(super) use super::pixel::options::Pixel;
 pub(super) use super::price::options::Price;
+pub(super) use super::reflections::options::Reflections;
 pub(super) use super::render::options::{Exposure, Render};
 pub(super) use super::verify::options::Verify;
 use crate::image::{Destination, Format};

@@ -98,6 +98,7 @@ mod tests {
             planar: None,
             maps: None,
             images: None,
+            body_maps: None,
             seen: Seen::default(),
         }
     }

@@ -11,7 +11,7 @@ use crate::accel::{BuildQuality, Coherence, Intersector};
 use crate::geometry::{Hit, Hit8, Ray, Ray8};
 use crate::scene::{Rgb, Scene};
 use crate::simd::set_lanes;
-use crate::systems::images::{Images, Shown};
+use crate::systems::images::{Images, PointCounts, Shown};
 use crate::{Error, Result};
 
 /// Virtual scenes, and native's hierarchies over them, whichever back end traces the other rays.
@@ -60,8 +60,9 @@ impl Virtual {
         let images = Images::of(scene);
         if let (Some((object, why)), true) = (images.without.first(), images.list.is_empty()) {
             return Err(Error::Usage(format!(
-                "--reflection virtual: `{}` {why}, and no other reflector has a virtual scene; make it a sphere that is \
-                 seen from outside by a pinhole camera, or take --reflection traced",
+                "--reflection virtual: `{}` {why}, and no other reflector has a virtual scene; make it a sphere, or a \
+                 convex or concave mesh with `smooth` normals, that a pinhole camera sees from outside, or take \
+                 --reflection traced",
                 scene.objects[*object as usize].name
             )));
         }
@@ -77,8 +78,11 @@ impl Virtual {
         ImagesReport {
             reflectors: list.len(),
             triangles: list.iter().map(|image| image.triangles() as u64).sum(),
-            seen: list.iter().fold([0, 0], |sum, image| [sum[0] + image.seen[0], sum[1] + image.seen[1]]),
-            inside: list.iter().map(|image| image.inside).sum(),
+            points: list.iter().fold(PointCounts::default(), |mut sum, image| {
+                sum.add(&image.points);
+                sum
+            }),
+            left_out: list.iter().map(|image| image.left_out).sum(),
             traced,
             without: self.images.without.clone(),
         }
@@ -101,8 +105,8 @@ impl<'a> VirtualRays<'a> {
         let Some(scenes) = self.scenes else { return 0 };
         let mut shown = 0;
         for lane in set_lanes(lanes).filter(|_| depth == 0) {
-            let has = scenes.images.at(surface.hit[lane].geometry).is_some() && surface.front.lane(lane);
-            shown |= u8::from(has && surface.returning[lane] == 0) << lane;
+            let image = scenes.images.at(surface.hit[lane].geometry, surface.front.lane(lane));
+            shown |= u8::from(image.is_some() && surface.returning[lane] == 0) << lane;
         }
         self.traced += u64::from((lanes & !shown).count_ones());
         shown
@@ -113,7 +117,7 @@ impl<'a> VirtualRays<'a> {
         let Some(scenes) = self.scenes else { return };
         let above = surface.above();
         for lane in set_lanes(lanes) {
-            let Some(image) = scenes.images.at(surface.hit[lane].geometry) else { continue };
+            let Some(image) = scenes.images.at(surface.hit[lane].geometry, surface.front.lane(lane)) else { continue };
             let point = surface.point.lane(lane);
             self.waiting.push(Waiting {
                 image,
@@ -131,9 +135,9 @@ impl<'a> VirtualRays<'a> {
         }
     }
 
-    /// Takes up to `packets` packets of the rays that wait for one virtual scene: rays from the reflector to what it shows, and
-    /// the hits there. True if there were any.
-    pub fn take(&mut self, scene: &Scene, packets: usize, chunk: &mut Chunk, hits: &mut Vec<Hit8>) -> bool {
+    /// Takes up to `packets` packets of the rays that wait for one virtual scene: rays from the reflector to what it shows, with
+    /// the hits there. Rays that meet nothing where pieces were left out are to be traced. Returns true if there were any.
+    pub fn take(&mut self, scene: &Scene, packets: usize, found: &mut Found) -> bool {
         let (Some(scenes), Some(last)) = (self.scenes, self.waiting.last().copied()) else { return false };
         let same = self.waiting.iter().rev().take(8 * packets).take_while(|ray| ray.image == last.image).count();
         let rays = self.waiting.split_off(self.waiting.len() - same);
@@ -142,29 +146,62 @@ impl<'a> VirtualRays<'a> {
         let eye_rays = Ray8::pack(&rays.iter().map(into).collect::<Vec<_>>());
         let mut met = vec![Hit8::default(); eye_rays.len()];
         scenes.accels[last.image].closest(&eye_rays, &mut met, Coherence::Coherent, &mut self.scratch);
-        for (eight, met) in rays.chunks(8).zip(&met) {
-            let (mut ray, mut state, mut hit) = (Ray8::default(), State8::default(), Hit8::default());
-            for (lane, waiting) in eight.iter().enumerate() {
-                let found = met.lane(lane);
-                let (dir, real) = if found.is_hit() {
-                    let uv = DVec2::new(f64::from(found.u), f64::from(found.v));
-                    onto(waiting, image.shown(scene, found.geometry, found.primitive, uv))
-                } else {
-                    (waiting.mirrored, Hit::MISS)
-                };
-                ray.set_lane(lane, &Ray::new(waiting.above, dir));
-                hit.set_lane(lane, &real);
-                state.weight.set_lane(lane, waiting.weight);
-                state.pixel[lane] = waiting.pixel;
-                state.stack[lane] = waiting.stack;
-                state.lead.set_lane(lane, waiting.reach * dir.dot(waiting.normal).abs());
+        let (mut shown, mut unknown) = (Vec::new(), Vec::new());
+        for (i, waiting) in rays.iter().enumerate() {
+            let met = met[i / 8].lane(i % 8);
+            if met.is_hit() {
+                let uv = DVec2::new(f64::from(met.u), f64::from(met.v));
+                shown.push((waiting, onto(waiting, image.shown(scene, met.geometry, met.primitive, uv))));
+            } else if image.left_out == 0 {
+                shown.push((waiting, (waiting.mirrored, Hit::MISS)));
+            } else {
+                unknown.push((waiting, (waiting.mirrored, Hit::MISS)));
             }
-            chunk.rays.push(ray);
-            chunk.states.push(state);
-            hits.push(hit);
         }
+        self.traced += unknown.len() as u64;
+        found.hits.extend(fill(&shown, &mut found.shown));
+        fill(&unknown, &mut found.unknown);
         true
     }
+}
+
+/// Rays that leave reflectors of virtual scenes.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    /// Those of which the hit is known.
+    pub shown: Chunk,
+    /// Their hits.
+    pub hits: Vec<Hit8>,
+    /// Those to be traced.
+    pub unknown: Chunk,
+}
+
+impl Found {
+    pub fn clear(&mut self) {
+        self.shown.clear();
+        self.hits.clear();
+        self.unknown.clear();
+    }
+}
+
+/// Fills a chunk with rays, and returns their hits.
+fn fill(rays: &[(&Waiting, (Vec3, Hit))], chunk: &mut Chunk) -> Vec<Hit8> {
+    let mut hits = Vec::with_capacity(rays.len().div_ceil(8));
+    for eight in rays.chunks(8) {
+        let (mut ray, mut state, mut hit) = (Ray8::default(), State8::default(), Hit8::default());
+        for (lane, (waiting, (dir, real))) in eight.iter().enumerate() {
+            ray.set_lane(lane, &Ray::new(waiting.above, *dir));
+            hit.set_lane(lane, real);
+            state.weight.set_lane(lane, waiting.weight);
+            state.pixel[lane] = waiting.pixel;
+            state.stack[lane] = waiting.stack;
+            state.lead.set_lane(lane, waiting.reach * dir.dot(waiting.normal).abs());
+        }
+        chunk.rays.push(ray);
+        chunk.states.push(state);
+        hits.push(hit);
+    }
+    hits
 }
 
 /// The direction from a reflector to what it shows, and the hit there.

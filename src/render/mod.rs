@@ -7,6 +7,7 @@
 
 mod accumulate;
 mod base;
+mod bodies;
 mod budget;
 mod camera;
 mod ceiling;
@@ -80,6 +81,7 @@ use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
+use bodies::Bodies8;
 use images::{Virtual, VirtualRays};
 use maps::{Taken, Taker};
 use passes::Passes;
@@ -181,6 +183,7 @@ fn picture<I: Intersector>(
         planar: facts.mirrors.as_ref().map(|mirrors| counts.planar.of_mirrors(mirrors)),
         maps: facts.maps.as_ref().map(|taken| taken.report(counts.without_map)),
         images: facts.images.as_ref().map(|images| images.report(counts.without_image)),
+        body_maps: facts.refracting.as_ref().map(|bodies| bodies.report(counts.without_body_map)),
     })
 }
 
@@ -215,8 +218,11 @@ impl<'a, I: Intersector> Pixels<'a, I> {
             None => {
                 let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
                 planar::possible(scene, facts.mirrors.as_ref())?;
+                planar::raisable(scene, facts.flats.as_ref())?;
                 let facts = facts.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
                 let facts = facts.with_images(scene, options)?;
+                let bodies = Taken::of_bodies(scene, options, &ByAccel { accel, observer })?;
+                let facts = facts.with_bodies(scene, options, bodies)?;
                 Ok(self.facts.get_or_init(|| facts))
             }
         }
@@ -259,6 +265,8 @@ struct SceneFacts<'a> {
     flats: Option<Mirrors>,
     /// Virtual scenes of reflectors, if any are asked for.
     images: Option<Virtual>,
+    /// Maps of bodies that refracted light is looked up in, if any are asked for.
+    refracting: Option<Bodies8>,
     /// Object that camera rays pass.
     past: Option<u32>,
 }
@@ -284,6 +292,7 @@ impl<'a> SceneFacts<'a> {
             maps: None,
             flats,
             images: None,
+            refracting: None,
             past: options.past,
         }
     }
@@ -305,6 +314,12 @@ impl<'a> SceneFacts<'a> {
         let asked = options.reflection == Reflection::Virtual && !carries;
         let images = asked.then(|| Virtual::of(scene)).transpose()?;
         Ok(Self { images, ..self })
+    }
+
+    /// Adds maps of bodies.
+    fn with_bodies(self, scene: &Scene, options: &Options, taken: Option<Taken>) -> Result<Self> {
+        let refracting = taken.map(|taken| Bodies8::new(scene, options.bending(), taken)).transpose()?;
+        Ok(Self { refracting, ..self })
     }
 
     /// Picks the stages that the scene needs.
@@ -345,6 +360,7 @@ fn render_tiles<I: Intersector>(
             worker.shading.virtual_rays = VirtualRays::new(images);
         }
         worker.shading.flats = facts.flats.as_ref();
+        worker.shading.bodies = facts.refracting.as_ref();
         worker.shading.maps = facts.maps.as_ref().map(|taken| &*taken.maps);
         let mut results = Vec::new();
         loop {
@@ -428,6 +444,7 @@ struct ThreadCounts {
     planar: PlanarCounts,
     without_map: u64,
     without_image: u64,
+    without_body_map: u64,
 }
 
 impl ThreadCounts {
@@ -442,6 +459,7 @@ impl ThreadCounts {
             planar: PlanarCounts::of(&worker.shading.passes),
             without_map: worker.shading.without_map,
             without_image: worker.shading.virtual_rays.traced,
+            without_body_map: worker.shading.without_body_map,
         }
     }
 
@@ -455,5 +473,6 @@ impl ThreadCounts {
         self.planar.merge(&o.planar);
         self.without_map += o.without_map;
         self.without_image += o.without_image;
+        self.without_body_map += o.without_body_map;
     }
 }

@@ -2,6 +2,7 @@
 //! accelerator.
 
 use super::accumulate::Accumulator;
+use super::bodies::Bodies8;
 use super::budget::divide;
 use super::ceiling::Ceiling;
 use super::extra::Extra8;
@@ -100,6 +101,9 @@ pub struct Shading<'a> {
     pub(super) virtual_rays: VirtualRays<'a>,
     pub proxy: Proxy,
     pub without_map: u64,
+    /// Maps of bodies that refracted light is looked up in, if any are asked for, and rays that were traced instead.
+    pub(super) bodies: Option<&'a Bodies8>,
+    pub without_body_map: u64,
     /// Current tile, and index of the current camera ray within its pixel.
     pub tile: Tile,
     pub sample: u32,
@@ -151,6 +155,8 @@ impl<'a> Shading<'a> {
             virtual_rays: VirtualRays::default(),
             proxy: options.proxy,
             without_map: 0,
+            bodies: None,
+            without_body_map: 0,
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }

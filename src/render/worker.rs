@@ -8,6 +8,7 @@ use super::camera::{Lens, sample_offset};
 use super::ceiling::Ceiling;
 use super::class::{BINS, bin_of};
 use super::extra::Extra8;
+use super::images::Found;
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::{RayKind, Seen, Stage};
@@ -167,7 +168,7 @@ impl<'a, I: Intersector> Worker<'a, I> {
             self.mirrored(tile, first, &mut chunk)?;
         }
         if self.shading.virtual_rays.is_on() {
-            self.in_virtual_scenes(&mut chunk)?;
+            self.in_virtual_scenes()?;
         }
         while let Some((depth, kind)) = self.shading.next_queue(8 * CHUNK_PACKETS) {
             chunk.clear();
@@ -203,18 +204,21 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
-    /// Traces the rays of the eye that go on in virtual scenes.
-    fn in_virtual_scenes(&mut self, chunk: &mut Chunk) -> Result<()> {
+    /// Shades what rays of the eye show that go on in virtual scenes.
+    fn in_virtual_scenes(&mut self) -> Result<()> {
+        let mut found = Found::default();
         loop {
-            chunk.clear();
-            let mut hits = std::mem::take(&mut self.hits);
-            hits.clear();
-            if !self.shading.virtual_rays.take(self.shading.scene, CHUNK_PACKETS, chunk, &mut hits) {
-                self.hits = hits;
+            found.clear();
+            if !self.shading.virtual_rays.take(self.shading.scene, CHUNK_PACKETS, &mut found) {
                 return Ok(());
             }
-            self.shading.counts.add(RayKind::Reflected, 1, chunk.len());
-            self.shade_chunk(chunk, hits, 1, RayKind::Reflected, Coherence::Coherent)?;
+            self.shading.counts.add(RayKind::Reflected, 1, found.shown.len());
+            let mut hits = std::mem::take(&mut self.hits);
+            hits.clone_from(&found.hits);
+            self.shade_chunk(&mut found.shown, hits, 1, RayKind::Reflected, Coherence::Coherent)?;
+            if !found.unknown.rays.is_empty() {
+                self.step(&mut found.unknown, 1, RayKind::Reflected)?;
+            }
         }
     }
 

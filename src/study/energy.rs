@@ -107,6 +107,7 @@ mod tests {
             planar: None,
             maps: None,
             images: None,
+            body_maps: None,
         };
         let ledger = Ledger::of(&outcome, &film([1.0, 0.5]));
         assert_eq!((ledger.light, ledger.reference), (0.875, 0.75));

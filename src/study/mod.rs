@@ -20,11 +20,12 @@ pub mod html;
 pub mod journal;
 pub mod plan;
 pub mod reference;
+pub mod reflections;
 pub mod report;
 pub mod run;
 pub mod size;
 pub mod spheres;
-mod systems;
+pub mod systems;
 pub mod text;
 pub mod variant;
 

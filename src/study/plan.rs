@@ -45,9 +45,13 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
                     Ok(()) => variants.push(default.with(level)),
                     Err(why) => left_out.push(format!("backend {level}: {why}")),
                 },
-                Level::Reflection(reflection) => match systems::unfit(scene, reflection) {
-                    None => variants.push(default.with(level)),
-                    Some(why) => left_out.push(format!("reflection {level}: {why}")),
+                Level::Reflection(reflection) => match systems::reflection(scene, reflection) {
+                    Ok(_) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(format!("reflection {level}: {why}")),
+                },
+                Level::Refraction(refraction) => match systems::refraction(scene, refraction) {
+                    Ok(_) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(format!("refraction {level}: {why}")),
                 },
                 _ => variants.push(default.with(level)),
             }

@@ -3,7 +3,9 @@
 
 use crate::support;
 
+mod bodies;
 mod curved;
+mod lighting;
 mod maps;
 mod planar;
 mod raised;

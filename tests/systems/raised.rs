@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use vitrum::optics::RefractionModel;
-use vitrum::render::Options;
+use vitrum::render::{Observer, Options, reference};
 use vitrum::scene::{Dispersion, FresnelRule, Interface, Material, Medium, Projection, Rgb, Scene};
 
 use super::{difference, is_at_edge, outcomes};
@@ -68,7 +68,20 @@ fn curved_surfaces_bend_light_by_snells_law() {
     let mut scene = boxes(1.0);
     let ball = water(&mut scene);
     sphere(&mut scene, Vec3::new(0.1, 0.2, 0.6), 0.5, ball);
+    // A pane far behind the eye, so that something is planar.
+    cuboid(&mut scene, Vec3::new(-1.0, -1.0, 90.0), Vec3::new(1.0, 1.0, 91.0), ball);
     for ((name, plain), (_, raised)) in outcomes(&scene, &Options::default()).iter().zip(outcomes(&scene, &raised())) {
         assert!(plain.film == raised.film, "{name}");
     }
+}
+
+#[test]
+fn a_scene_without_a_planar_body_is_refused_by_name() {
+    let mut scene = boxes(1.0);
+    let ball = water(&mut scene);
+    sphere(&mut scene, Vec3::new(0.1, 0.2, 0.6), 0.5, ball);
+    let told =
+        reference::render(&scene, &raised(), &Observer::default()).expect_err("a ball is not planar").to_string();
+    let name = &scene.objects.last().expect("it has objects").name;
+    assert!(told.contains(&format!("--refraction raised: `{name}` is a sphere")), "{told}");
 }

@@ -169,6 +169,7 @@ mod tests {
                 planar: None,
                 maps: None,
                 images: None,
+                body_maps: None,
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

@@ -5,11 +5,13 @@
 //! all of these report it as a mask. Their errors, measured against a double-double oracle, are in `tests/optics.rs`.
 
 mod algebraic;
+mod mapped;
 mod oliveira;
 mod raised;
 mod trigonometric;
 
 pub use algebraic::{Bec, Heckbert, SlidesVector};
+pub use mapped::{MapOne, MapTwo};
 pub use oliveira::Oliveira;
 pub use raised::Raised;
 pub use trigonometric::Trigonometric;
@@ -25,6 +27,10 @@ crate::choice! {
     pub enum RefractionModel("refraction", default(Stable), visitor(RefractionVisitor, RefractionFormula)) {
         /// No refraction: light goes straight on.
         "straight" => StraightThrough by StraightThrough,
+        /// Lookup in a cube map of a body's surroundings after one bend; Snell's law elsewhere.
+        "map-one" => MapOne by MapOne,
+        /// Lookup in such a map after two bends, with the thickness from the body's back side; Snell's law elsewhere.
+        "map-two" => MapTwo by MapTwo,
         /// Raised objects behind planar surfaces, each at its depth times the ratio of indices; Snell's law at curved ones.
         "raised" => Raised by Raised,
         /// Oliveira's approximation.
@@ -57,6 +63,9 @@ pub struct Refracted<R: Real> {
 pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
     /// True if it is for planar surfaces alone; curved ones then refract by [`Stable`].
     const FLAT_ONLY: bool = false;
+
+    /// Number of interfaces of a body after which a map of its surroundings is looked up; 0 if none is.
+    const MAPPED: u32 = 0;
 
     /// The formula of `model`, where it is one of this type.
     #[must_use]

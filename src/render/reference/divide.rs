@@ -152,11 +152,12 @@ impl<L: Recorder> Tracer<'_, '_, L> {
             self.send_coloured(at, RayKind::Transmitted, at.ray.dir, lobe, beyond, nm);
         } else if total {
             self.cut(at, RayKind::Transmitted, at.ray.weight * lobe.share, false, false);
-        } else if at.surface.interpolated.is_some() {
-            let dir = below_surface(direction, at.geometric.into());
-            self.send_coloured(at, RayKind::Transmitted, dir.into(), lobe, beyond, nm);
         } else {
-            self.send_coloured(at, RayKind::Transmitted, direction.into(), lobe, beyond, nm);
+            let smooth = at.surface.interpolated.is_some();
+            let dir = if smooth { below_surface(direction, at.geometric.into()) } else { direction };
+            if nm.is_some() || !self.looked_up(at, boundary, dir.into(), &lobe) {
+                self.send_coloured(at, RayKind::Transmitted, dir.into(), lobe, beyond, nm);
+            }
         }
     }
 

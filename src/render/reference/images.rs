@@ -25,13 +25,13 @@ impl Virtual64 {
         Ok(Self { scenes, accels })
     }
 
-    /// The virtual scene of an object.
-    pub fn at(&self, object: u32) -> Option<(&Image, &Reference)> {
-        let place = self.scenes.images.at(object)?;
+    /// Returns the virtual scene of one side of an object.
+    pub fn at(&self, object: u32, front: bool) -> Option<(&Image, &Reference)> {
+        let place = self.scenes.images.at(object, front)?;
         Some((&self.scenes.images.list[place], &self.accels[place]))
     }
 
-    /// As [`Virtual::report`].
+    /// Returns the report, as [`Virtual::report`] does.
     pub fn report(&self, traced: u64) -> ImagesReport {
         self.scenes.report(traced)
     }

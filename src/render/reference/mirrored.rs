@@ -62,8 +62,8 @@ impl<L: Recorder> Tracer<'_, '_, L> {
     pub(super) fn reflected_in_virtual_scene(&mut self, at: &Arrival, lobe: Lobe) {
         let (prepared, kind) = (self.prepared, RayKind::Reflected);
         let front = at.geometric.dot(at.surface.outward) > 0.0;
-        let image = prepared.images.as_ref().filter(|_| at.ray.depth == 0 && front && at.returning.is_none());
-        let Some((image, accel)) = image.and_then(|images| images.at(at.id.0)) else {
+        let image = prepared.images.as_ref().filter(|_| at.ray.depth == 0 && at.returning.is_none());
+        let Some((image, accel)) = image.and_then(|images| images.at(at.id.0, front)) else {
             self.tally.without_image += 1;
             return self.send(at, kind, at.mirrored(), lobe, at.ray.stack.clone());
         };
@@ -74,6 +74,10 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let eye = prepared.scene.camera.eye.as_dvec3();
         let line = Ray64 { t_min: (at.surface.point - eye).length(), ..Ray64::new(eye, at.ray.dir) };
         let hit = accel.closest(&line);
+        if !hit.is_hit() && image.left_out > 0 {
+            self.tally.without_image += 1;
+            return self.send(at, kind, at.mirrored(), lobe, at.ray.stack.clone());
+        }
         let (dir, shown) = if hit.is_hit() {
             let shown = image.shown(prepared.scene, hit.geometry, hit.primitive, DVec2::new(hit.u, hit.v));
             let way = shown.place - at.surface.start(at.geometric);
