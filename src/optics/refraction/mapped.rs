@@ -1,7 +1,9 @@
 //! Refraction that ends in an environment map.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula, Stable};
+use super::formula::{Refracted, RefractionFormula};
+use super::stable::Stable;
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
 /// One bend by Snell's law where light enters a body. A map of the body's surroundings is looked up in the direction of
 /// the bent light. Its way out of the body is left out.

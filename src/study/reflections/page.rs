@@ -23,12 +23,12 @@ pub fn page(study: &Reflections) -> Result<String> {
     }
     body += &curves(&study.curves);
     let machine = &study.machine;
-    _ = write!(
+    _ = writeln!(
         body,
         "<section><h2>How it was measured</h2><p class=\"note\">Each row: the system and the traced picture by turns, \
          {} rounds; the ratio of a round is one value, the figure their median with its interval. Times include all that a \
          system prepares: maps, virtual scenes. Back end {}, {}. Errors are against the traced picture, in units of \
-         radiance.</p><p><code>{}</code></p></section>\n",
+         radiance.</p><p><code>{}</code></p></section>",
         study.rows.first().map_or(0, |row| row.ratio.runs),
         study.backend,
         escaped(&machine.cpu),
