@@ -18,6 +18,7 @@ mod parity;
 mod pixel;
 mod price;
 mod progress;
+mod reflections;
 mod render;
 mod repeat;
 mod table;
@@ -45,6 +46,7 @@ use map::options::Map;
 use parity::options::Parity;
 use pixel::options::Pixel;
 use price::options::Price;
+use reflections::options::Reflections;
 use render::options::Render;
 use verdict::Verdict;
 use verify::options::Verify;
@@ -99,6 +101,7 @@ fn run(cli: Cli) -> Result<Verdict> {
         Command::Price(args) if args.formulas.formulas => {
             formulas::run(&Formulas::new(args.formulas, args.bvh, args.json)?)
         }
+        Command::Price(args) if args.reflections.reflections => reflections::run(&Reflections::try_from(args)?),
         Command::Price(args) => price::run(Price::try_from(args)?),
         Command::Map(args) => map::run(&Map::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),

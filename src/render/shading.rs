@@ -2,9 +2,11 @@
 //! accelerator.
 
 use super::accumulate::Accumulator;
+use super::bodies::Bodies8;
 use super::budget::divide;
 use super::ceiling::Ceiling;
 use super::extra::Extra8;
+use super::images::VirtualRays;
 use super::limit::Limit;
 use super::media::{MediaTable, StackId, Transition};
 use super::options::Options;
@@ -27,6 +29,7 @@ use crate::optics::{RefractionModel, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 use crate::systems::maps::{Maps, Proxy};
+use crate::systems::planar::Mirrors;
 
 /// Factor that makes up for rounding tolls down to `f32`.
 const ROUNDED_UP: f32 = 1.0 + 1e-6;
@@ -92,8 +95,15 @@ pub struct Shading<'a> {
     pub passes: Passes<'a>,
     /// Maps that reflectors show, the stand-in for their surroundings, and reflections that were traced instead.
     pub maps: Option<&'a Maps>,
+    /// Planes that raise what lies behind them, if any are asked for.
+    pub flats: Option<&'a Mirrors>,
+    /// Rays of the eye that go on in virtual scenes; empty if none are requested.
+    pub(super) virtual_rays: VirtualRays<'a>,
     pub proxy: Proxy,
     pub without_map: u64,
+    /// Maps of bodies that refracted light is looked up in, if any are asked for, and rays that were traced instead.
+    pub(super) bodies: Option<&'a Bodies8>,
+    pub without_body_map: u64,
     /// Current tile, and index of the current camera ray within its pixel.
     pub tile: Tile,
     pub sample: u32,
@@ -141,8 +151,12 @@ impl<'a> Shading<'a> {
             shafts: None,
             passes: Passes::default(),
             maps: None,
+            flats: None,
+            virtual_rays: VirtualRays::default(),
             proxy: options.proxy,
             without_map: 0,
+            bodies: None,
+            without_body_map: 0,
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }
@@ -306,6 +320,14 @@ impl<'a> Shading<'a> {
     #[inline(always)]
     pub fn interface(&self, surface: &Surface8, k: usize) -> &'a Interface {
         &self.scene.materials[surface.material[k] as usize].interface
+    }
+
+    /// Returns the lanes of a surface that lie in planes.
+    #[cold]
+    pub fn flat(&self, surface: &Surface8, lanes: u8) -> u8 {
+        let Some(flats) = self.flats else { return 0 };
+        let flat = |k: &usize| flats.at(surface.hit[*k].geometry, surface.hit[*k].primitive).is_some();
+        set_lanes(lanes).filter(flat).fold(0, |bits, k| bits | 1 << k)
     }
 
     /// Returns the transition at the surface of lane `k`, or at all surfaces that coincide there. Returns `None` if the

@@ -70,9 +70,13 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
                     Ok(()) => variants.push(default.with(level)),
                     Err(why) => left_out.push(LeftOut::new(format!("backend {level}"), why.to_string())),
                 },
-                Level::Reflection(reflection) => match systems::unfit(scene, reflection) {
-                    None => variants.push(default.with(level)),
-                    Some(why) => left_out.push(LeftOut::new(format!("reflection {level}"), why)),
+                Level::Reflection(reflection) => match systems::reflection(scene, reflection) {
+                    Ok(_) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(LeftOut::new(format!("reflection {level}"), why)),
+                },
+                Level::Refraction(refraction) => match systems::refraction(scene, refraction) {
+                    Ok(_) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(LeftOut::new(format!("refraction {level}"), why)),
                 },
                 _ => variants.push(default.with(level)),
             }

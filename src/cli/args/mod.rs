@@ -3,6 +3,7 @@
 pub(super) mod effects;
 pub(super) mod numbers;
 pub(super) mod optics;
+pub(super) mod reflections;
 pub(super) mod settings;
 pub(super) mod strict;
 

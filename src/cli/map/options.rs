@@ -26,6 +26,7 @@ pub(in crate::cli) struct Map {
     /// True if the back end was asked for.
     pub chosen: bool,
     pub options: render::Options,
+    pub strict: bool,
     pub quiet: bool,
 }
 
@@ -47,6 +48,7 @@ impl TryFrom<MapArgs> for Map {
             backend: Renderer::choose(args.backend)?,
             chosen: args.backend.is_some(),
             options: render::Options { threads: args.threads.unwrap_or(0) as usize, ..render::Options::default() },
+            strict: args.strict.strict,
             quiet: args.quiet,
         })
     }

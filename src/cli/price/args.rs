@@ -10,6 +10,7 @@ use crate::cli::args::numbers::duration;
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::cli::formulas::args::FormulasArgs;
+use crate::cli::args::reflections::ReflectionsArgs;
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
@@ -19,6 +20,7 @@ use crate::study::Axis;
   vitrum price bunny.obj -o bunny-price --limit 90s --size 320x240
   vitrum price scenes/prism.toml -o prism-price --axes fresnel,depth --pictures
   vitrum price scenes/goblet.toml -o goblet-price --json > goblet.json
+  vitrum price --reflections -o reflections
   vitrum price --formulas
   vitrum price --formulas --of refraction,fresnel --count 200000
   vitrum price --formulas --csv > formulas.csv
@@ -30,12 +32,14 @@ the product of the choices that mattered, as far as --limit allows; what is
 left out is said. The folder gets report.html (one page that needs no network),
 report.json and report.csv. Ctrl-C keeps what is done, and the same command
 goes on. A quiet machine gives narrow intervals.
+With --reflections the lecture notes' systems run on the bundled scenes, beside
+traced pictures; the folder gets reflections.html, reflections.json and scenes.
 With --formulas no picture is made: each formula is timed in eight lanes, in one
 and in f64, and held against an oracle of twice the digits of f64; the errors
 are the same in every run.")]
 pub(in crate::cli) struct PriceArgs {
     /// Scene (.toml) or model (.obj)
-    #[arg(required_unless_present = "formulas", conflicts_with = "formulas")]
+    #[arg(required_unless_present_any = ["formulas", "reflections"], conflicts_with_all = ["formulas", "reflections"])]
     pub scene: Option<PathBuf>,
 
     /// Folder for the report; made where it is missing
@@ -44,6 +48,9 @@ pub(in crate::cli) struct PriceArgs {
 
     #[command(flatten)]
     pub formulas: FormulasArgs,
+
+    #[command(flatten)]
+    pub reflections: ReflectionsArgs,
 
     /// Time that one run may take: 90s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "5m")]

@@ -63,7 +63,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
 }
 
 /// Returns this program's own command line, for a shell.
-fn command() -> String {
+pub(super) fn command() -> String {
     let arguments = std::env::args_os().skip(1).map(|a| quoted(&a.to_string_lossy()));
     std::iter::once(String::from("vitrum")).chain(arguments).collect::<Vec<_>>().join(" ")
 }

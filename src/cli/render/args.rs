@@ -17,6 +17,9 @@ use crate::simd::ReciprocalModel;
 use crate::study::Spheres;
 use crate::systems::maps::Proxy;
 
+/// Largest number of mirrors in a row, as that of a ray's depth.
+const MOST_MIRRORS: i64 = 10_000;
+
 /// Render a scene file or an OBJ model to a picture.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -66,7 +69,7 @@ pub(in crate::cli) struct RenderArgs {
     pub reflection: Option<Reflection>,
 
     /// Under --reflection planar, mirrors in a row at most; light that needs more is left out [default: as --depth]
-    #[arg(long, value_name = "N", help_heading = "Light")]
+    #[arg(long, value_name = "0..10000", value_parser = value_parser!(u32).range(0..=MOST_MIRRORS), help_heading = "Light")]
     pub mirror_levels: Option<u32>,
 
     #[arg(long, help = about::<Proxy>(), value_parser = levels::<Proxy>(), help_heading = "Light")]

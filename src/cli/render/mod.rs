@@ -166,6 +166,8 @@ mod tests {
                 touching: TouchingFound::default(),
                 planar: None,
                 maps: None,
+                images: None,
+                body_maps: None,
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

@@ -140,9 +140,10 @@ fn refuse_carried(args: &RenderArgs) -> Result<()> {
         (_, Some(_)) => "--cutoff-error",
         _ => return Ok(()),
     };
-    if matches!(args.reflection, Some(Reflection::Planar)) {
+    if matches!(args.reflection, Some(Reflection::Planar | Reflection::Virtual)) {
         return Err(Error::Usage(format!(
-            "{flag}: the rays of a mirrored camera do not carry what it needs; leave it or --reflection planar out"
+            "{flag}: the rays of mirrored cameras and virtual scenes do not carry what it needs; leave it out, or take \
+             --reflection traced"
         )));
     }
     Ok(())

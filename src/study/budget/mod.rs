@@ -17,7 +17,7 @@ use super::plan;
 use super::reference;
 use super::variant::Variant;
 use crate::error::{Result, Unsupported};
-use crate::optics::FresnelModel;
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Observer, Reflection};
 use crate::scene::Scene;
 use quick::{Judged, Quick};
@@ -161,8 +161,9 @@ pub fn choose(
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
         // Dispersive scenes carry no polarisation, and a proof costs more than the base's own cut-off.
         let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
-        // Maps of each reflector take longer to capture than the picture takes to trace.
-        let mapped = matches!(variant.reflection, Reflection::CubeMap | Reflection::SphereMap);
+        // Maps and virtual scenes take longer to make than a small picture takes to trace.
+        let mapped = matches!(variant.reflection, Reflection::CubeMap | Reflection::SphereMap | Reflection::Virtual)
+            || matches!(variant.refraction, RefractionModel::MapOne | RefractionModel::MapTwo);
         if polarised || mapped || (variant.proven.is_some() && base.proven.is_none()) {
             continue;
         }
