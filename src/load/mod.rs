@@ -108,6 +108,10 @@ pub struct Loaded {
 /// - [`Error::Io`] if a file cannot be read.
 /// - [`Error::Limit`] if a file exceeds a limit.
 pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
+    let gltf = format::Format::of(path) == Some(format::Format::Gltf);
+    if let (Some(name), false) = (&options.camera, gltf) {
+        return Err(Error::file(path, format!("has no camera `{name}`: only a glTF model has cameras by name")));
+    }
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => document::load(path, options),
         _ => match format::Format::of(path) {

@@ -1,4 +1,4 @@
-//! `vitrum render`, as typed.
+//! Arguments of `vitrum render`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -109,6 +109,10 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=1024), default_value_t = 32,
         help_heading = "Machine")]
     pub tile: u32,
+
+    /// Camera of a glTF model that is rendered by itself [default: its first one, else one that shows all of it]
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub camera: Option<String>,
 
     #[command(flatten, next_help_heading = "Reports")]
     pub strict: StrictArg,

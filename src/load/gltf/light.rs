@@ -69,8 +69,7 @@ pub(super) fn lamps(document: &Document<'_>, tree: &Tree) -> (Vec<Lamp>, Vec<Str
         if placed.hidden {
             continue;
         }
-        let given = all.and_then(|all| all.get(index)).and_then(Value::as_object);
-        let fields = given.and_then(|_| all).map(|all| Fields::from(&all[index]));
+        let fields = all.and_then(|all| all.get(index)).map(Fields::from);
         let Some(lamp) = fields.and_then(|f| lamp(f, node.name.as_deref(), placed.world, &mut remarks)) else {
             remarks.push(format!("light {index} left out: it has no known type, or no place"));
             continue;

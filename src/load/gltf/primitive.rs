@@ -69,7 +69,7 @@ pub(super) fn read(
         None => (0..count as u32).collect(),
     };
     read.mesh.triangles = triangles(mode, &indices);
-    if mode == Mode::Triangles && indices.len() % 3 != 0 {
+    if mode == Mode::Triangles && !indices.len().is_multiple_of(3) {
         remarks.push(format!("{} indices at the end make no triangle", indices.len() % 3));
     }
     compact(&mut read);

@@ -1,6 +1,6 @@
 //! Skins at rest: vertices moved by the joints as the file leaves them.
 
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat3, DMat4};
 
 use super::accessor;
 use super::document::Document;
@@ -34,7 +34,7 @@ pub(super) fn pose(mesh: &mut Indexed, binding: &Binding, joints: &[DMat4]) {
             *p = sum.transform_point3(*p);
         }
         if let Some(n) = mesh.normals.get_mut(i) {
-            let normal = DMat3::from_mat4(sum).inverse().transpose() * DVec3::from(n.as_dvec3());
+            let normal = DMat3::from_mat4(sum).inverse().transpose() * n.as_dvec3();
             *n = normal.try_normalize().map_or(*n, |n| n.as_vec3());
         }
     }
