@@ -104,9 +104,9 @@ impl<'a> Assembly<'a> {
         Ok(place)
     }
 
-    /// Decodes the bytes of a picture and returns its index; messages name `path`.
-    pub(super) fn picture_in(&mut self, path: &Path, bytes: &[u8]) -> Result<u32> {
-        let reading = texture::decode(bytes, path, &self.picture_limits())?;
+    /// Decodes the bytes of a picture and returns its index; messages name `path`. With `linear`, codes are no colours.
+    pub(super) fn picture_in(&mut self, path: &Path, bytes: &[u8], linear: bool) -> Result<u32> {
+        let reading = texture::decode(bytes, path, linear, &self.picture_limits())?;
         self.add_picture(path, reading)
     }
 

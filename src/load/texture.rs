@@ -31,9 +31,9 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Reading> {
     image::read(path, &options(limits)).map(|picture| reading(path, picture))
 }
 
-/// Decodes the bytes of a picture; messages name `path`.
-pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Reading> {
-    image::decode(bytes, path, &options(limits)).map(|picture| reading(path, picture))
+/// Decodes the bytes of a picture; messages name `path`. With `linear`, codes are not colours but shares of the largest.
+pub(super) fn decode(bytes: &[u8], path: &Path, linear: bool, limits: &Limits) -> Result<Reading> {
+    image::decode(bytes, path, &ReadOptions { linear, ..options(limits) }).map(|picture| reading(path, picture))
 }
 
 /// Returns the mean of the codes of a picture, as shares of the largest one.

@@ -33,6 +33,7 @@ mod planar;
 mod queue;
 pub mod record;
 pub mod reference;
+mod relief;
 mod shading;
 mod shadow;
 mod shortfall;

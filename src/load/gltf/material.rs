@@ -27,7 +27,7 @@ use crate::load::assembly::Assembly;
 use crate::optics::{absorption_from_colour, cauchy_from_abbe};
 use crate::scene::ranges::EXPONENTS;
 use crate::scene::{
-    Colour, Dispersion, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Rgb,
+    Colour, Dispersion, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Relief, Rgb,
 };
 
 /// Roughness above which a surface counts as rough.
@@ -62,10 +62,15 @@ struct Surface {
     name: String,
     base: DVec3,
     picture: Option<u32>,
+    /// Mean colour of the picture; white without one.
+    mean: DVec3,
     alpha: f64,
     metallic: f64,
     roughness: f64,
+    /// Mean emission.
     emission: DVec3,
+    /// Picture of the emission, its factor and its place.
+    glow: Option<(u32, DVec3, Placement)>,
     transmission: f64,
     ior: f64,
     /// Reflected share of the dielectric at normal incidence.
@@ -104,18 +109,15 @@ impl<'d, 'p> Materials<'d, 'p> {
         let mut diffuse = base * ((1.0 - m) * (1.0 - surface.transmission) + m * r * r);
         let opacity = self.opacity(given, &surface, assembly)?;
         if unlit {
-            surface.emission = base;
+            surface.emission = base * surface.mean;
+            surface.glow = surface.picture.zip(texture).map(|(picture, t)| (picture, base, t.placement));
             diffuse = DVec3::ZERO;
-            if surface.picture.is_some() {
-                self.warn(assembly, "the picture of an unlit material is replaced by its mean", &surface.name)?;
-                surface.emission *= self.mean_colour(&surface, assembly);
-            }
         } else if surface.transmission > 0.0 {
             interface = self.transparent(given, &surface, assembly)?;
         } else if let Some(opacity) = opacity {
             interface = Interface::Alpha { opacity: opacity as f32 };
         } else if m * (1.0 - r) >= LEAST_MIRROR {
-            let reflectance = base * self.mean_colour(&surface, assembly) * m * (1.0 - r);
+            let reflectance = base * surface.mean * m * (1.0 - r);
             interface = Interface::Mirror { reflectance: rgb(reflectance), source: MirrorSource::Traced };
         } else {
             let coat = surface.reflected * (1.0 - r);
@@ -138,14 +140,36 @@ impl<'d, 'p> Materials<'d, 'p> {
                 self.warn(assembly, &format!("{what} is left out"), &surface.name)?;
             }
         }
-        if given.normal_texture.is_some() {
-            self.warn(assembly, "pictures of normals are left out", &surface.name)?;
-        }
         let lit = diffuse != DVec3::ZERO;
         let colour = match surface.picture.filter(|_| lit) {
             Some(texture) => Colour::Image { texture, scale: rgb(diffuse) },
             None => Colour::Constant(rgb(diffuse)),
         };
+        let mut placement = texture.filter(|_| matches!(colour, Colour::Image { .. })).map(|t| t.placement);
+        let mut glow = None;
+        if let Some((picture, factor, place)) = surface.glow {
+            if placement.is_none_or(|p| p == place) {
+                glow = Some(Colour::Image { texture: picture, scale: rgb(factor) });
+                placement = Some(place);
+            } else {
+                let kind = "a picture of emission with texture coordinates of its own is replaced by its mean";
+                self.warn(assembly, kind, &surface.name)?;
+            }
+        }
+        let mut relief = None;
+        if let Some(normal) = given.normal_texture.as_ref().filter(|_| !unlit) {
+            let set = normal.tex_coord;
+            let at = TextureRef::new(normal.index.value(), set, normal.extensions.as_ref().map(|e| &e.others));
+            if placement.is_none_or(|p| p == at.placement) {
+                let picture = self.pictures.codes(self.document, at.texture, assembly)?;
+                let strength = if normal.scale.is_finite() { normal.scale } else { 1.0 };
+                relief = picture.map(|texture| Relief { texture, strength });
+                placement = relief.map(|_| at.placement).or(placement);
+            } else {
+                let kind = "a picture of normals with texture coordinates of its own is left out";
+                self.warn(assembly, kind, &surface.name)?;
+            }
+        }
         let rough = (r > ROUGH && !unlit && interface_is_opaque(interface)).then(|| highlight(&surface)).flatten();
         let material = Material {
             name: surface.name,
@@ -153,9 +177,10 @@ impl<'d, 'p> Materials<'d, 'p> {
             diffuse: colour,
             highlight: rough,
             emission: rgb(surface.emission),
+            glow,
+            relief,
             interface,
         };
-        let placement = texture.filter(|_| matches!(material.diffuse, Colour::Image { .. })).map(|t| t.placement);
         Ok(Made { material: assembly.add_material(material)?, placement })
     }
 
@@ -180,14 +205,16 @@ impl<'d, 'p> Materials<'d, 'p> {
         }
         let strength = of("KHR_materials_emissive_strength").map_or(1.0, |f| f.number("emissiveStrength", 1.0));
         let mut emission = DVec3::from(given.emissive_factor.0.map(f64::from)) * strength;
+        emission = emission.map(|c| if c > 0.0 { c.min(MOST_EMISSION) } else { 0.0 });
+        let mut glow = None;
         if let (Some(info), true) = (&given.emissive_texture, emission != DVec3::ZERO) {
-            let at = self.pictures.colour(self.document, TextureRef::of(info).texture, assembly)?;
-            if let Some(mean) = at.map(|t| mean_of(assembly, t)) {
-                self.warn(assembly, "pictures of emission are replaced by their mean", &name)?;
-                emission *= mean;
+            let at = TextureRef::of(info);
+            if let Some(picture) = self.pictures.colour(self.document, at.texture, assembly)? {
+                glow = Some((picture, emission, at.placement));
+                emission *= mean_of(assembly, picture);
             }
         }
-        let emission = emission.map(|c| if c > 0.0 { c.min(MOST_EMISSION) } else { 0.0 });
+        glow = glow.filter(|_| emission != DVec3::ZERO);
         let mut transmission = 0.0;
         if let Some(fields) = of("KHR_materials_transmission") {
             transmission = share(fields.number("transmissionFactor", 0.0)) * (1.0 - metallic);
@@ -217,7 +244,21 @@ impl<'d, 'p> Materials<'d, 'p> {
             }
         }
         let base = DVec3::new(r, g, b);
-        Ok(Surface { name, base, picture, alpha, metallic, roughness, emission, transmission, ior, reflected })
+        let mean = picture.map_or(DVec3::ONE, |t| mean_of(assembly, t));
+        Ok(Surface {
+            name,
+            base,
+            picture,
+            mean,
+            glow,
+            alpha,
+            metallic,
+            roughness,
+            emission,
+            transmission,
+            ior,
+            reflected,
+        })
     }
 
     /// Returns the mean of a picture that varies a property, of which there is one value here.
@@ -248,7 +289,7 @@ impl<'d, 'p> Materials<'d, 'p> {
     fn transparent(&mut self, given: &Given, surface: &Surface, assembly: &mut Assembly<'_>) -> Result<Interface> {
         let extensions = given.extensions.as_ref().map(|e| &e.others);
         let volume = Fields::of(extensions, "KHR_materials_volume");
-        let tint = surface.base * self.mean_colour(surface, assembly) * surface.transmission;
+        let tint = surface.base * surface.mean * surface.transmission;
         let tint = rgb(tint);
         let Some(volume) = volume.filter(|v| v.number("thicknessFactor", 0.0) > 0.0) else {
             return Ok(Interface::ThinDielectric { ior: surface.ior as f32, rule: FresnelRule::Fresnel, tint });
@@ -289,11 +330,6 @@ impl<'d, 'p> Materials<'d, 'p> {
         Ok(first + (1.0 - first) * coat)
     }
 
-    /// Returns the mean of the picture of the base colour; white if there is none.
-    fn mean_colour(&self, surface: &Surface, assembly: &Assembly<'_>) -> DVec3 {
-        surface.picture.map_or(DVec3::ONE, |t| mean_of(assembly, t))
-    }
-
     fn warn(&self, assembly: &mut Assembly<'_>, kind: &str, material: &str) -> Result<()> {
         let name: String = material.chars().take(80).collect();
         assembly.reporter.warn(self.document.path, 0, kind, || format!(": material {name}"))
@@ -314,7 +350,7 @@ fn highlight(surface: &Surface) -> Option<Highlight> {
     let (m, r) = (surface.metallic, surface.roughness);
     // Blinn's lobe of facets with a slope of r^2 (Walter et al. 2007), normalised.
     let exponent = (2.0 / r.powi(4) - 2.0).clamp(*EXPONENTS.start(), *EXPONENTS.end());
-    let reflected = surface.base * m + surface.reflected * (1.0 - m);
+    let reflected = surface.base * surface.mean * m + surface.reflected * (1.0 - m);
     let colour = reflected * (r * (exponent + 2.0) / (8.0 * PI));
     let highlight = Highlight { colour: rgb(colour), exponent: exponent as f32, model: HighlightModel::BlinnPhong };
     (colour != DVec3::ZERO).then_some(highlight)

@@ -14,8 +14,9 @@ use crate::system::files::read;
 /// Pictures read so far.
 #[derive(Default)]
 pub(super) struct Pictures {
-    /// Index into `Scene::textures` by image; `None` for a picture that cannot be read.
-    colours: HashMap<usize, Option<u32>>,
+    /// Index into `Scene::textures` by image, and by whether its codes are no colours; `None` for a picture that cannot be
+    /// read.
+    known: HashMap<(usize, bool), Option<u32>>,
     /// Mean codes by image.
     means: HashMap<usize, Option<[f64; 3]>>,
 }
@@ -28,18 +29,38 @@ impl Pictures {
         texture: usize,
         assembly: &mut Assembly<'_>,
     ) -> Result<Option<u32>> {
+        self.picture(document, texture, false, assembly)
+    }
+
+    /// Returns the index of a texture's picture whose codes are shares of the largest one.
+    pub(super) fn codes(
+        &mut self,
+        document: &Document<'_>,
+        texture: usize,
+        assembly: &mut Assembly<'_>,
+    ) -> Result<Option<u32>> {
+        self.picture(document, texture, true, assembly)
+    }
+
+    fn picture(
+        &mut self,
+        document: &Document<'_>,
+        texture: usize,
+        linear: bool,
+        assembly: &mut Assembly<'_>,
+    ) -> Result<Option<u32>> {
         let Some(image) = image(document, texture, assembly)? else { return Ok(None) };
-        if let Some(&known) = self.colours.get(&image) {
+        if let Some(&known) = self.known.get(&(image, linear)) {
             return Ok(known);
         }
         let place = match bytes(document, image, assembly) {
-            Ok((name, bytes)) => match assembly.picture_in(&name, &bytes) {
+            Ok((name, bytes)) => match assembly.picture_in(&name, &bytes, linear) {
                 Ok(place) => Some(place),
                 Err(e) => left_out(document, image, &e.to_string(), assembly)?,
             },
             Err(e) => left_out(document, image, &e, assembly)?,
         };
-        self.colours.insert(image, place);
+        self.known.insert((image, linear), place);
         Ok(place)
     }
 
