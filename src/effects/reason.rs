@@ -86,9 +86,16 @@ impl<'a> Facts<'a> {
                     (true, format!("rays that meet nothing see {}", scene.textures[texture as usize].name))
                 }
             },
-            Effect::Textures => self.lit(|m| !matches!(m.diffuse, Colour::Constant(_)), "has a textured colour"),
+            Effect::Textures => {
+                let lit = self.lit(|m| !matches!(m.diffuse, Colour::Constant(_)), "has a textured colour");
+                let glow = self.surfaces(|m| m.glow.is_some(), "has a textured emission", "no surface has one");
+                if lit.0 || !glow.0 { lit } else { glow }
+            }
             Effect::InterpolatedNormals => self.objects(
-                |o| matches!(&scene.geometry[o].shape, Shape::Mesh(mesh) if !mesh.normal_indices.is_empty()),
+                |o| {
+                    let relief = material(scene, o).relief.is_some();
+                    matches!(&scene.geometry[o].shape, Shape::Mesh(mesh) if relief || !mesh.normal_indices.is_empty())
+                },
                 "has normals of its own",
                 "every surface has the normal of its shape",
             ),

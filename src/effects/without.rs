@@ -34,7 +34,7 @@ fn take_out(scene: &mut Scene, effect: Effect) {
     };
     match effect {
         Effect::Ambient => scene.ambient = Rgb::ZERO,
-        Effect::Emission => materials.for_each(|m| m.emission = Rgb::ZERO),
+        Effect::Emission => materials.for_each(|m| (m.emission, m.glow) = (Rgb::ZERO, None)),
         Effect::Diffuse => materials.for_each(|m| m.diffuse = Colour::Constant(Rgb::ZERO)),
         Effect::Highlight => materials.for_each(|m| m.highlight = None),
         Effect::HardShadows => scene.lights.iter_mut().for_each(|l| l.shadows = false),
@@ -66,8 +66,12 @@ fn take_out(scene: &mut Scene, effect: Effect) {
         Effect::Absorption => scene.media.iter_mut().for_each(|m| m.absorption = Rgb::ZERO),
         Effect::NestedMedia => scene.media.iter_mut().skip(1).for_each(|m| m.priority = i32::MAX),
         Effect::Environment => scene.environment = Environment::Constant(Rgb::ZERO),
-        Effect::Textures => materials.for_each(|m| m.diffuse = Colour::Constant(mean(&m.diffuse, textures))),
+        Effect::Textures => materials.for_each(|m| {
+            m.diffuse = Colour::Constant(mean(&m.diffuse, textures));
+            m.glow = None;
+        }),
         Effect::InterpolatedNormals => {
+            materials.for_each(|m| m.relief = None);
             for geometry in &mut scene.geometry {
                 if let Shape::Mesh(mesh) = &mut geometry.shape {
                     (mesh.normals, mesh.normal_indices) = (Vec::new(), Vec::new());

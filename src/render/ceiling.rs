@@ -47,7 +47,7 @@ impl Ceiling {
     #[must_use]
     pub fn estimate(scene: &Scene, brightest: DVec3) -> Self {
         let base = |number: usize, object: &Object, material: &Material| {
-            let own = material.emission.abs().as_dvec3() + (material.ambient * scene.ambient).abs().as_dvec3();
+            let own = of_emission(scene, material) + (material.ambient * scene.ambient).abs().as_dvec3();
             Ok(of_base(scene, number, object, material).unwrap_or(own + brightest))
         };
         let estimated = Self::with(scene, base).ok().filter(|c| c.by_depth.iter().all(|most| most.is_finite()));
@@ -156,6 +156,12 @@ fn of_texture(scene: &Scene, texture: u32) -> DVec3 {
     scene.textures[texture as usize].pixels.iter().fold(Vec3::ZERO, |most, texel| most.max(texel.abs())).as_dvec3()
 }
 
+/// Returns the largest emission per channel.
+fn of_emission(scene: &Scene, material: &Material) -> DVec3 {
+    let mean = material.emission.abs().as_dvec3();
+    material.glow.as_ref().map_or(mean, |glow| mean.max(of_colour(scene, glow)))
+}
+
 fn of_colour(scene: &Scene, colour: &Colour) -> DVec3 {
     match colour {
         Colour::Constant(colour) => colour.abs().as_dvec3(),
@@ -165,7 +171,7 @@ fn of_colour(scene: &Scene, colour: &Colour) -> DVec3 {
 }
 
 fn of_base(scene: &Scene, number: usize, object: &Object, material: &Material) -> Result<DVec3> {
-    let mut most = material.emission.abs().as_dvec3() + (material.ambient * scene.ambient).abs().as_dvec3();
+    let mut most = of_emission(scene, material) + (material.ambient * scene.ambient).abs().as_dvec3();
     let albedo = of_colour(scene, &material.diffuse);
     let highlight = material.highlight.map_or(DVec3::ZERO, |h| h.colour.abs().as_dvec3());
     if albedo == DVec3::ZERO && highlight == DVec3::ZERO {

@@ -35,6 +35,7 @@ mod planar;
 mod queue;
 pub mod record;
 pub mod reference;
+mod relief;
 mod shading;
 mod shadow;
 mod shortfall;

@@ -135,7 +135,10 @@ impl<'a> StagePicker<'a> {
     /// Returns the kinds of shape of the selected objects.
     fn shapes(self, of: impl Fn(usize) -> bool) -> Shapes {
         let mut shapes = if self.all { Shapes::ALL } else { Shapes::default() };
-        self.objects().filter(|&o| of(o)).for_each(|o| shapes.add(&self.scene.geometry[o].shape));
+        for o in self.objects().filter(|&o| of(o)) {
+            shapes.add(&self.scene.geometry[o].shape);
+            shapes.relief |= self.material(o).relief.is_some();
+        }
         shapes
     }
 
@@ -151,7 +154,7 @@ impl<'a> StagePicker<'a> {
         let (mut base, mut lights, mut lamps) = (None, Vec::new(), Vec::new());
         if bin_has_base(bin) {
             let any = |of: &dyn Fn(&Material) -> bool| all || materials.iter().any(|m| of(m));
-            let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)));
+            let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)) || m.glow.is_some());
             let shiny = any(&|m| m.highlight.is_some());
             let glowing = any(&|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
             if any(&Material::answers_light) {

@@ -19,7 +19,7 @@ pub use dispersion::Dispersion;
 pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind, Spread};
 pub use map::MapKind;
-pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
+pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Relief};
 pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
 pub use texture::{Beyond, Texture};
 pub use validate::{Part, SceneEntry, SceneError};

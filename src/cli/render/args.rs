@@ -112,6 +112,10 @@ pub(in crate::cli) struct RenderArgs {
         help_heading = "Machine")]
     pub tile: u32,
 
+    /// Camera of a glTF model that is rendered by itself [default: its first one, else one that shows all of it]
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub camera: Option<String>,
+
     #[command(flatten, next_help_heading = "Reports")]
     pub strict: StrictArg,
 

@@ -36,8 +36,8 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     interrupt::listen(&observer)?;
 
     let start = Instant::now();
-    let Loaded { mut scene, report } =
-        load::scene(&job.scene, &LoadOptions { strict: job.strict, ..LoadOptions::default() })?;
+    let files = LoadOptions { strict: job.strict, camera: job.camera.clone(), ..LoadOptions::default() };
+    let Loaded { mut scene, report } = load::scene(&job.scene, &files)?;
     job.overrides.apply(&mut scene.settings)?;
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();

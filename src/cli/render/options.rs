@@ -37,6 +37,8 @@ pub(in crate::cli) struct Render {
     pub wish: Option<Wish>,
     /// Axes whose level the command line chose.
     pub fixed: Vec<Axis>,
+    /// Name of the model's camera to use.
+    pub camera: Option<String>,
     /// True if warnings and losses are errors.
     pub strict: bool,
     pub json: bool,
@@ -123,6 +125,7 @@ impl TryFrom<RenderArgs> for Render {
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
+            camera: args.camera,
             strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,

@@ -89,7 +89,8 @@ fn nothing(header: &Header, vertices: usize, faces: usize) -> String {
     if faces > 0 {
         return format!("has no triangles: none of its faces ({faces}) can be drawn; see the corners they name");
     }
-    let names: Vec<&str> = header.elements.iter().map(|e| e.name.as_str()).filter(|&n| n != "vertex").take(5).collect();
+    let names = header.elements.iter().map(|e| e.name.chars().take(40).collect::<String>());
+    let names: Vec<String> = names.filter(|n| n != "vertex").take(5).collect();
     if names.is_empty() || names == ["face"] {
         format!("has no triangles: it holds {vertices} points and no face; make a mesh of the points first")
     } else {

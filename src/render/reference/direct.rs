@@ -34,7 +34,10 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let weight = at.ray.weight * share;
         let material = at.material;
         let ambient = material.ambient.as_dvec3() * scene.ambient.as_dvec3();
-        let glow = weight * (material.emission.as_dvec3() + ambient);
+        let emission = material.glow.as_ref().map_or(material.emission.as_dvec3(), |glow| {
+            colour::on_surface(scene, glow, at.surface.point, at.surface.uv)
+        });
+        let glow = weight * (emission + ambient);
         if glow != DVec3::ZERO {
             self.add(at.ray.node, Source::Glow, glow);
         }

@@ -85,6 +85,24 @@ impl Scene {
                 check.place("the offset of diffuse", *offset);
             }
         }
+        match &material.glow {
+            None => {}
+            Some(Colour::Constant(colour)) => check.light("glow", *colour),
+            Some(Colour::Image { texture, scale }) => {
+                check.index("the texture of glow", *texture, self.textures.len());
+                check.light("the scale of glow", *scale);
+            }
+            Some(Colour::Checker { even, odd, size, offset }) => {
+                check.light("the even colour of glow", *even);
+                check.light("the odd colour of glow", *odd);
+                check.that(*size > 0.0 && size.is_finite(), "the size of glow", size, "finite and above 0");
+                check.place("the offset of glow", *offset);
+            }
+        }
+        if let Some(relief) = material.relief {
+            check.index("the texture of relief", relief.texture, self.textures.len());
+            check.that(relief.strength.is_finite(), "the strength of relief", relief.strength, "finite");
+        }
         if let Some(highlight) = &material.highlight {
             check.light("the colour of the highlight", highlight.colour);
             let exponent = highlight.exponent;
