@@ -35,6 +35,7 @@ pub mod record;
 pub mod reference;
 mod shading;
 mod shadow;
+mod shine;
 mod shortfall;
 mod sky;
 mod soft;
@@ -80,6 +81,7 @@ use crate::{Error, Result};
 use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
+use shine::Shine;
 use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
@@ -245,6 +247,8 @@ struct SceneFacts<'a> {
     eye: Vec<u32>,
     /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
+    /// Sources beside lamps that light surfaces.
+    shine: Shine,
     /// Planar mirrors, where a camera is mirrored in them.
     mirrors: Option<Mirrors>,
     /// Maps that reflectors show, if any are asked for.
@@ -263,7 +267,17 @@ impl<'a> SceneFacts<'a> {
             eye.retain(|&body| body != passed);
         }
         let mirrors = planar::mirrors(scene, options);
-        Self { bodies, contacts, touching, eye, shafts: None, mirrors, maps: None, past: options.past }
+        Self {
+            bodies,
+            contacts,
+            touching,
+            eye,
+            shafts: None,
+            shine: Shine::of(scene),
+            mirrors,
+            maps: None,
+            past: options.past,
+        }
     }
 
     /// Adds the shafts if the scene's area lamps need them.
@@ -308,6 +322,7 @@ fn render_tiles<I: Intersector>(
     let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         worker.shading.shafts = facts.shafts.as_ref();
+        worker.shading.shine = Some(&facts.shine);
         if let Some(mirrors) = &facts.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
@@ -364,6 +379,7 @@ pub fn recorded<I: Intersector>(
         )));
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
+    worker.shading.shine = Some(&facts.shine);
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
     let PixelMean { radiance, truncated, .. } = worker.shading.accumulator.mean(0, samples);

@@ -38,7 +38,7 @@ pub struct Material {
     pub diffuse: Colour,
     /// Highlight of each light around its mirror direction.
     pub highlight: Option<Highlight>,
-    /// Emitted radiance; visible, but not a light source.
+    /// Emitted radiance. It lights other surfaces where the setting [`super::LightsFrom`] says so.
     pub emission: Rgb,
     /// Interaction with the arriving ray.
     pub interface: Interface,

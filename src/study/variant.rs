@@ -12,7 +12,7 @@ use crate::choice::Choice;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Options, Reflection};
-use crate::scene::{Settings, ShadowRule};
+use crate::scene::{LightsFrom, Settings, ShadowRule};
 use crate::simd::ReciprocalModel;
 
 /// One of each choice.
@@ -26,6 +26,8 @@ pub struct Variant {
     pub reflection: Reflection,
     /// What transparent surfaces do to shadows.
     pub shadows: ShadowRule,
+    /// What lights matt surfaces.
+    pub lights_from: LightsFrom,
     /// What spheres are.
     pub spheres: Spheres,
     /// Below which weight a ray ends, 0..=1.
@@ -57,6 +59,7 @@ impl Variant {
             refraction: RefractionModel::Stable,
             reflection: Reflection::Traced,
             shadows: settings.shadows,
+            lights_from: settings.lights_from,
             spheres: Spheres::Exact,
             cutoff: settings.cutoff,
             proven: None,
@@ -78,6 +81,7 @@ impl Variant {
             Axis::Refraction => Level::Refraction(self.refraction),
             Axis::Reflection => Level::Reflection(self.reflection),
             Axis::Shadows => Level::Shadows(self.shadows),
+            Axis::LightsFrom => Level::LightsFrom(self.lights_from),
             Axis::Spheres => Level::Spheres(self.spheres),
             Axis::Cutoff => self.proven.map_or(Level::Cutoff(self.cutoff), Level::Proven),
             Axis::Depth => Level::Depth(self.depth),
@@ -97,6 +101,7 @@ impl Variant {
             Level::Refraction(x) => self.refraction = x,
             Level::Reflection(x) => self.reflection = x,
             Level::Shadows(x) => self.shadows = x,
+            Level::LightsFrom(x) => self.lights_from = x,
             Level::Spheres(x) => self.spheres = x,
             Level::Cutoff(x) => (self.cutoff, self.proven) = (x, None),
             // No weight ends a ray then.
@@ -150,6 +155,7 @@ impl Variant {
             max_depth: self.depth,
             cutoff: self.cutoff,
             shadows: self.shadows,
+            lights_from: self.lights_from,
             ..of.clone()
         }
     }
@@ -182,6 +188,9 @@ impl Variant {
         flags.push(format!("--refraction {}", self.level(Axis::Refraction)));
         flags.push(format!("--reflection {}", self.level(Axis::Reflection)));
         flags.push(format!("--shadows {}", self.level(Axis::Shadows)));
+        if self.lights_from != LightsFrom::Auto {
+            flags.push(format!("--lights-from {}", self.lights_from));
+        }
         if let Spheres::Bands(n) = self.spheres {
             flags.push(format!("--spheres {n}"));
         }
