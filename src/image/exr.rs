@@ -8,8 +8,9 @@ use ::exr::prelude::{
     WritableImage,
 };
 
-use super::format::cannot_hold;
-use super::{Clipped, Encoded, Film, Format};
+use super::encode::Clipped;
+use super::film::Film;
+use super::format::{Encoded, Format, cannot_hold};
 use crate::Result;
 
 /// Encodes a film as three binary32 channels, compressed without loss, rows in order.

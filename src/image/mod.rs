@@ -3,6 +3,7 @@
 mod compare;
 mod encode;
 mod exr;
+mod file;
 mod film;
 mod format;
 mod hdr;
@@ -16,8 +17,9 @@ mod write;
 
 pub use compare::{Comparison, Worst, compare, difference};
 pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
+pub use file::{Encoding, encode};
 pub use film::{Film, MOST_PIXELS};
-pub use format::{Bits, Encoded, Encoding, Format, encode};
+pub use format::{Bits, Encoded, Format};
 pub use read::{Limits, Picture, ReadOptions, read};
 pub use save::save;
 pub use write::{Destination, discard_unfinished, discard_unfinished_at_once};

@@ -2,8 +2,9 @@
 
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRenderingIntent, Transformations};
 
-use super::format::cannot_hold;
-use super::{Bits, Clipped, Encoded, Film, Format, linear_from_srgb};
+use super::encode::{Clipped, linear_from_srgb};
+use super::film::Film;
+use super::format::{Bits, Encoded, Format, cannot_hold};
 use crate::Result;
 
 /// Encodes a film as RGB without alpha, marked as sRGB.

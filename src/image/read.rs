@@ -5,7 +5,9 @@ use std::path::Path;
 
 use ::image::{DynamicImage, ImageFormat, ImageReader};
 
-use super::{Film, MOST_PIXELS, exr, linear_from_srgb, pfm, png};
+use super::encode::linear_from_srgb;
+use super::film::{Film, MOST_PIXELS};
+use super::{exr, pfm, png};
 use crate::system::{files, memory};
 use crate::{Error, Result};
 

@@ -1,4 +1,4 @@
-//! Loading of files into a [`Scene`]: scene TOML, OBJ with MTL, pictures, built-in shapes. File formats are defined
+//! Loading of files into a [`Scene`]: scene TOML, models (OBJ with MTL, PLY, STL), pictures, built-in shapes. File formats are defined
 //! only in this room.
 //!
 //! Wrong input is an error that names file, line and value. Input that is odd but usable is a warning, counted in the
@@ -10,13 +10,18 @@ pub mod catalogue;
 mod document;
 mod draft;
 mod extent;
+mod format;
+mod indexed;
 mod model;
 mod obj;
 mod origin;
+mod ply;
 mod report;
+mod request;
 pub mod shapes;
 mod smooth;
 mod source;
+mod stl;
 mod suggest;
 mod texture;
 mod transform;
@@ -91,7 +96,8 @@ pub struct Loaded {
     pub report: LoadReport,
 }
 
-/// Reads a scene file (`.toml`), or a model file (`.obj`) with a fitted camera, default lights and a sky.
+/// Reads a scene file (`.toml`), or a model file (`.obj`, `.ply`, `.stl`) with a fitted camera, default lights and a
+/// sky.
 ///
 /// # Errors
 /// - [`Error::Input`] or [`Error::File`] for wrong content.
@@ -100,7 +106,13 @@ pub struct Loaded {
 pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => document::load(path, options),
-        Some("obj") => model::load(path, options),
-        _ => Err(Error::file(path, "is neither a scene (.toml) nor a model (.obj); give one of these")),
+        _ => match format::Format::of(path) {
+            Some(format) => model::load(path, format, options),
+            None => {
+                let models = format::ENDINGS;
+                let message = format!("is neither a scene (.toml) nor a model ({models}); give one of these");
+                Err(Error::file(path, message))
+            }
+        },
     }
 }

@@ -7,8 +7,10 @@ use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
 use super::extent::WIDEST;
+use super::format::Format;
+use super::request::Request;
 use super::transform::Transform;
-use super::{LoadOptions, Loaded, obj};
+use super::{LoadOptions, Loaded};
 use crate::geometry::{Aabb, Shape};
 use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb};
 use crate::{Error, Result};
@@ -19,9 +21,9 @@ const VFOV: f32 = 40.0;
 const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
 /// Reads a model and builds a scene around it.
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
+pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result<Loaded> {
     let mut assembly = Assembly::new(path, options)?;
-    let request = obj::Request {
+    let request = Request {
         name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         material: None,
         smooth: None,
@@ -30,7 +32,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
-    obj::load(path, &request, &mut assembly)?;
+    format.load(path, &request, &mut assembly)?;
     assembly.settle(None)?;
     let bounds = assembly.scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
         Shape::Mesh(mesh) => b.union(mesh.bounds()),

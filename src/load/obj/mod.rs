@@ -7,39 +7,20 @@ mod library;
 mod lines;
 mod mtl;
 mod parts;
-mod polygon;
+pub(super) mod polygon;
 mod scan;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use self::library::Library;
-use super::assembly::{Assembly, Pending};
-use super::draft::Draft;
+use super::assembly::Assembly;
+use super::request::Request;
 use super::source::folder_of;
-use super::transform::Transform;
-use crate::scene::{Material, Origin};
+use crate::scene::Material;
 use crate::system::files::read;
 use crate::system::memory;
 use crate::{Error, Result};
-
-/// Options for adding a model to a scene.
-pub(super) struct Request<'a> {
-    /// Name in messages.
-    pub name: String,
-    /// Material of the whole model; by default its own materials.
-    pub material: Option<u32>,
-    /// Largest angle in degrees between faces without normals that are shaded smoothly; `None` for flat shading.
-    pub smooth: Option<f64>,
-    /// Turns the model inside out.
-    pub flip: bool,
-    /// Placement in the scene.
-    pub transform: Transform,
-    /// Limit on the magnitude of coordinates, used if most exceed the general limit.
-    pub limit: f64,
-    /// Creates the error for a wrong transform, at its location in the scene file.
-    pub wrong_transform: &'a dyn Fn(String) -> Error,
-}
 
 /// Reads a model into the scene, as one shape per material.
 pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<()> {
@@ -63,14 +44,10 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     assembly.take_triangles(parts.iter().map(|p| p.triangles.len() as u64).sum())?;
     let meshes = parts::meshes(path, &scan, &parts, &mut assembly.reporter)?;
     drop(scan);
-    for (part, mut mesh) in parts.into_iter().zip(meshes) {
-        request.transform.mesh(&mut mesh).map_err(request.wrong_transform)?;
-        let material = &assembly.scene.materials[part.group as usize].name;
-        let name =
-            if request.material.is_some() { request.name.clone() } else { format!("{}/{material}", request.name) };
-        let origin = Origin { file: path.display().to_string(), line: 0, triangle_lines: part.lines };
-        let (draft, material) = (Draft::Mesh(mesh), part.group);
-        assembly.add(Pending { name, draft, material, origin, smooth: request.smooth, flip: request.flip })?;
+    for (part, mesh) in parts.into_iter().zip(meshes) {
+        let material = assembly.scene.materials[part.group as usize].name.clone();
+        let name = request.material.is_none().then_some(material.as_str());
+        request.add(path, name, mesh, part.group, part.lines, assembly)?;
     }
     Ok(())
 }
