@@ -89,6 +89,12 @@ pub enum Unsupported {
     /// Cut-off with a proven bound in a scene whose light has no bound.
     #[error("a proven cut-off is not possible: the light of this scene adds up beyond all bounds")]
     UnboundedLight,
+    /// Cut-off with a proven bound in a scene whose lamps are sampled.
+    #[error(
+        "a proven cut-off is not possible: no bound exists on the cut light of emissive shapes and sampled lamps, whose \
+         samples may be brighter than any bound; write lights_from = \"lamps\" and lamps = \"each\" in [render]"
+    )]
+    SampledLight,
     /// Record of a pixel whose rays carry polarisation or a budget.
     #[error("the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off")]
     RecordOfCarried,

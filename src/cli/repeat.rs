@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::accel::BuildQuality;
 use crate::measure::shell::quoted;
+use crate::scene::LightsFrom;
 use crate::study::{Axis, Precision, Spheres, Variant};
 
 /// Returns the options of `vitrum render` that repeat it.
@@ -20,6 +21,9 @@ pub(super) fn options(variant: &Variant) -> String {
     flags.push(format!("--refraction {}", variant.level(Axis::Refraction)));
     flags.push(format!("--reflection {}", variant.level(Axis::Reflection)));
     flags.push(format!("--shadows {}", variant.level(Axis::Shadows)));
+    if variant.lights_from != LightsFrom::Auto {
+        flags.push(format!("--lights-from {}", variant.lights_from));
+    }
     if let Spheres::Bands(n) = variant.spheres {
         flags.push(format!("--spheres {n}"));
     }

@@ -21,7 +21,7 @@ fn reworded(reason: &Unsupported) -> String {
     match reason {
         Unsupported::ProofWithDispersion { medium } => dispersing("--cutoff-error", medium, NEGATIVE_CHANNELS),
         Unsupported::PolarisationWithDispersion { medium } => dispersing("--fresnel polarised", medium, ONE_WHITE_RAY),
-        Unsupported::LightTouchesSurface { .. } | Unsupported::UnboundedLight => {
+        Unsupported::LightTouchesSurface { .. } | Unsupported::UnboundedLight | Unsupported::SampledLight => {
             format!("--cutoff-error: {reason}; or take --cutoff instead")
         }
         Unsupported::RecordOfCarried => format!("{reason}; take another --fresnel, or leave out --cutoff-error"),

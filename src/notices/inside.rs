@@ -41,7 +41,8 @@ pub(super) fn dark_body(facts: &Facts, picture: &Outcome) -> Option<usize> {
     }
     // Without lamps, any room is dark; the camera's position is then not the reason.
     let holds = |o: &usize| {
-        let lacks_lamps = facts.scene.lights.is_empty() && facts.material(*o).answers_light();
+        let lacks_lamps =
+            facts.scene.lights.is_empty() && !facts.scene.shining().any() && facts.material(*o).answers_light();
         is_opaque(facts, *o) && !lacks_lamps && is_around_eye(facts, *o)
     };
     met().find(holds)

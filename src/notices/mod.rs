@@ -12,6 +12,7 @@ mod low_poly;
 mod near;
 mod nothing_seen;
 mod notice;
+mod shining;
 mod survey;
 mod truncated;
 mod unlit;
@@ -49,6 +50,7 @@ pub const CHECKS: &[Check] = &[
     dropped::CHECK,
     decal::CHECK,
     near::CHECK,
+    shining::CHECK,
     inside_out::CHECK,
     nothing_seen::CHECK,
     inside::CHECK,

@@ -8,11 +8,13 @@
 //! holds for the picture with this depth limit.
 //!
 //! A base is bounded by emission, ambient light, and for each light the largest albedo and highlight times the light
-//! that arrives at the nearest point of the surface. Cosines and lobes are taken as 1, and shadows as none.
+//! that arrives at the nearest point of the surface. Cosines and lobes are taken as 1, and shadows as none. A sample of the
+//! environment brings at most its radiance times the excess of its weight. Samples of emissive shapes have no bound.
 
 use glam::{DVec3, Vec3};
 
 use super::options::Options;
+use super::shine::Around;
 use crate::error::{Result, Unsupported};
 use crate::geometry::{Shape, Spot, TriMesh};
 use crate::optics::FresnelModel;
@@ -56,10 +58,12 @@ impl Ceiling {
 
     fn with(scene: &Scene, base: impl Fn(usize, &Object, &Material) -> Result<DVec3>) -> Result<Self> {
         let environment = of_environment(scene);
+        let sky = of_sky_light(scene, environment);
         let mut surfaces = Vec::with_capacity(scene.objects.len());
         for (number, object) in scene.objects.iter().enumerate() {
             let material = &scene.materials[object.material as usize];
-            surfaces.push((base(number, object, material)?, material));
+            let under_sky = of_colour(scene, &material.diffuse) * sky;
+            surfaces.push((base(number, object, material)? + under_sky, material));
         }
         let deepest = scene.settings.max_depth as usize;
         let mut by_depth = vec![environment; deepest + 2];
@@ -151,6 +155,14 @@ fn of_environment(scene: &Scene) -> DVec3 {
     }
 }
 
+/// Bounds what samples of the environment make a surface of albedo 1 reflect; `brightest` is its largest radiance.
+fn of_sky_light(scene: &Scene, brightest: DVec3) -> DVec3 {
+    if !scene.shining().sky {
+        return DVec3::ZERO;
+    }
+    Around::of(scene).map_or(DVec3::ZERO, |around| brightest * around.excess() * ROUNDED_UP)
+}
+
 /// Returns the largest texel per channel. Bilinear interpolation never exceeds it.
 fn of_texture(scene: &Scene, texture: u32) -> DVec3 {
     scene.textures[texture as usize].pixels.iter().fold(Vec3::ZERO, |most, texel| most.max(texel.abs())).as_dvec3()
@@ -176,6 +188,9 @@ fn of_base(scene: &Scene, number: usize, object: &Object, material: &Material) -
     let highlight = material.highlight.map_or(DVec3::ZERO, |h| h.colour.abs().as_dvec3());
     if albedo == DVec3::ZERO && highlight == DVec3::ZERO {
         return Ok(most);
+    }
+    if scene.shining().emitters() {
+        return Err(Unsupported::SampledLight.into());
     }
     for light in &scene.lights {
         let arriving = light.intensity.abs().as_dvec3();

@@ -38,6 +38,7 @@ pub mod reference;
 mod relief;
 mod shading;
 mod shadow;
+mod shine;
 mod shortfall;
 mod sky;
 mod soft;
@@ -87,6 +88,7 @@ use images::{Virtual, VirtualRays};
 use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
+use shine::Shine;
 use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
@@ -258,6 +260,8 @@ struct SceneFacts<'a> {
     eye: Vec<u32>,
     /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
+    /// Sources beside lamps that light surfaces.
+    shine: Shine,
     /// Planar mirrors, where a camera is mirrored in them.
     mirrors: Option<Mirrors>,
     /// Maps that reflectors show, if any are asked for.
@@ -289,6 +293,7 @@ impl<'a> SceneFacts<'a> {
             touching,
             eye,
             shafts: None,
+            shine: Shine::of(scene),
             mirrors,
             maps: None,
             flats,
@@ -354,6 +359,7 @@ fn render_tiles<I: Intersector>(
     let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         worker.shading.shafts = facts.shafts.as_ref();
+        worker.shading.shine = Some(&facts.shine);
         if let Some(mirrors) = &facts.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
@@ -412,6 +418,7 @@ pub fn recorded<I: Intersector>(
         return Err(Unsupported::RecordOfCarried.into());
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
+    worker.shading.shine = Some(&facts.shine);
     worker.shading.flats = facts.flats.as_ref();
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;

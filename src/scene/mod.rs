@@ -10,6 +10,7 @@ pub mod map;
 mod material;
 pub mod ranges;
 mod settings;
+mod shine;
 mod texture;
 mod validate;
 
@@ -20,7 +21,8 @@ pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind, Spread};
 pub use map::MapKind;
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Relief};
-pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
+pub use settings::{LampChoice, LampSampling, LightsFrom, Pattern, Settings, ShadowRule};
+pub use shine::Shining;
 pub use texture::{Beyond, Texture};
 pub use validate::{Part, SceneEntry, SceneError};
 

@@ -11,7 +11,7 @@ use crate::choice::Choice;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Options, Reflection};
-use crate::scene::{Settings, ShadowRule};
+use crate::scene::{LightsFrom, Settings, ShadowRule};
 use crate::simd::ReciprocalModel;
 
 /// One level of each axis, and the build quality.
@@ -25,6 +25,8 @@ pub struct Variant {
     pub reflection: Reflection,
     /// Effect of transparent surfaces on shadows.
     pub shadows: ShadowRule,
+    /// Sources of the light on matt surfaces.
+    pub lights_from: LightsFrom,
     /// Representation of spheres.
     pub spheres: Spheres,
     /// Weight below which a ray ends, 0..=1.
@@ -56,6 +58,7 @@ impl Variant {
             refraction: RefractionModel::Stable,
             reflection: Reflection::Traced,
             shadows: settings.shadows,
+            lights_from: settings.lights_from,
             spheres: Spheres::Exact,
             cutoff: settings.cutoff,
             proven: None,
@@ -77,6 +80,7 @@ impl Variant {
             Axis::Refraction => Level::Refraction(self.refraction),
             Axis::Reflection => Level::Reflection(self.reflection),
             Axis::Shadows => Level::Shadows(self.shadows),
+            Axis::LightsFrom => Level::LightsFrom(self.lights_from),
             Axis::Spheres => Level::Spheres(self.spheres),
             Axis::Cutoff => self.proven.map_or(Level::Cutoff(self.cutoff), Level::Proven),
             Axis::Depth => Level::Depth(self.depth),
@@ -96,6 +100,7 @@ impl Variant {
             Level::Refraction(x) => self.refraction = x,
             Level::Reflection(x) => self.reflection = x,
             Level::Shadows(x) => self.shadows = x,
+            Level::LightsFrom(x) => self.lights_from = x,
             Level::Spheres(x) => self.spheres = x,
             Level::Cutoff(x) => (self.cutoff, self.proven) = (x, None),
             // A proof replaces the cut-off.
@@ -149,6 +154,7 @@ impl Variant {
             max_depth: self.depth,
             cutoff: self.cutoff,
             shadows: self.shadows,
+            lights_from: self.lights_from,
             ..of.clone()
         }
     }

@@ -60,7 +60,7 @@ impl TryFrom<PixelArgs> for Pixel {
             least: args.least,
             svg,
             json: args.json,
-            overrides: Overrides::new(args.settings, args.optics.shadows),
+            overrides: Overrides::new(args.settings, args.optics),
             backend,
             options: render::Options {
                 fresnel: args.optics.fresnel.unwrap_or_default(),

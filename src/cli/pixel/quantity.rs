@@ -153,6 +153,8 @@ pub(super) fn source(source: Source) -> String {
         Source::MirroredEnvironment => String::from("mirrored env."),
         Source::Glow => String::from("own light"),
         Source::Light(i) => format!("light {}", i + 1),
+        Source::Emitters => String::from("emissive shapes"),
+        Source::Sky => String::from("sky light"),
     }
 }
 

@@ -12,7 +12,7 @@ use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
-use crate::scene::ShadowRule;
+use crate::scene::{LightsFrom, ShadowRule};
 use crate::study::budget::Wish;
 use crate::study::{Axis, Spheres};
 use crate::systems::maps::Proxy;
@@ -54,6 +54,13 @@ impl TryFrom<RenderArgs> for Render {
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
         let straight = matches!(args.optics.shadows, Some(ShadowRule::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
+        for (effect, levels) in [
+            (Effect::EmissiveLight, [LightsFrom::Emissive, LightsFrom::All]),
+            (Effect::SkyLight, [LightsFrom::Sky, LightsFrom::All]),
+        ] {
+            let asked = args.optics.lights_from.filter(|from| levels.contains(from)).map(|_| "--lights-from");
+            effects::refuse_contradiction(&effects, effect, asked)?;
+        }
         let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
         let backend = backend(&args)?;
@@ -79,6 +86,7 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Refraction, args.optics.refraction.is_some()),
             (Axis::Reflection, args.reflection.is_some()),
             (Axis::Shadows, args.optics.shadows.is_some()),
+            (Axis::LightsFrom, args.optics.lights_from.is_some()),
             (Axis::Spheres, args.spheres.is_some()),
             (Axis::Cutoff, args.settings.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.settings.depth.is_some()),
@@ -106,7 +114,7 @@ impl TryFrom<RenderArgs> for Render {
             format,
             bits: args.bits.unwrap_or_default(),
             exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
-            overrides: Overrides::new(args.settings, args.optics.shadows),
+            overrides: Overrides::new(args.settings, args.optics),
             spheres: args.spheres.unwrap_or(Spheres::Exact),
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),

@@ -89,6 +89,7 @@ struct Picture {
     refraction: String,
     reflection: &'static str,
     shadows: &'static str,
+    lights_from: &'static str,
     exposure: f32,
 }
 
@@ -227,6 +228,7 @@ impl<'a> Summary<'a> {
                 refraction: job.options.refraction.to_string(),
                 reflection: job.options.reflection.name(),
                 shadows: settings.shadows.name(),
+                lights_from: settings.lights_from.name(),
                 exposure: job.exposure.ev,
             },
             backend: job.backend.name(),
