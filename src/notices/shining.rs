@@ -1,6 +1,6 @@
 //! Check for shapes that shine and light nothing.
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::{Check, Facts, FileLocation, Find, Finding};
 use crate::geometry::Shape;
 use crate::scene::{LightsFrom, Rgb};
 
@@ -27,7 +27,7 @@ fn find(facts: &Facts) -> Vec<Finding> {
                 false => "the scene has lamps, and `lights_from` is not given",
             };
             findings.push(Finding {
-                place: Place::object(scene, first),
+                place: FileLocation::object(scene, first),
                 wrong: match bounded.len() {
                     1 => format!("{} shines and lights nothing", facts.name(first)),
                     _ => format!("{}{more} shine and light nothing", facts.name(first)),
@@ -42,7 +42,7 @@ fn find(facts: &Facts) -> Vec<Finding> {
     }
     let boundless = |o: &usize| matches!(scene.geometry[*o].shape, Shape::Plane(_));
     findings.extend(shining.into_iter().filter(boundless).map(|o| Finding {
-        place: Place::object(scene, o),
+        place: FileLocation::object(scene, o),
         wrong: format!("{} shines and lights nothing", facts.name(o)),
         because: String::from("a plane has no bounds, so its light cannot be sampled"),
         cure: String::from("make it a large rectangle, or an [environment]"),

@@ -7,10 +7,10 @@ use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
 use crate::cli::args::numbers::duration;
+use crate::cli::args::reflections::ReflectionsArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::cli::formulas::args::FormulasArgs;
-use crate::cli::args::reflections::ReflectionsArgs;
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
