@@ -25,9 +25,9 @@ use crate::study::Axis;
   vitrum price --formulas --of refraction,fresnel --count 200000
   vitrum price --formulas --csv > formulas.csv
 
-Every level of each choice is timed by turns with the default (the figure is the
-median of the rounds' ratios) and compared with the f64 renderer with the exact
-choices; the sampling axis is compared with 16 x 16 rays per pixel. Then the
+Every level of each choice is timed by turns with the default; the figure is the
+median of the rounds' ratios. It is compared with the f64 renderer with the
+exact choices, and the sampling axis with 16 x 16 rays per pixel. Then the
 product of the choices that matter is measured, as far as --limit allows. The
 report names all that is left out. The folder gets report.html (one page that
 needs no network), report.json and report.csv. Ctrl-C keeps finished work, and
