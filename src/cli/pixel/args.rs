@@ -16,9 +16,9 @@ use crate::cli::backend::Renderer;
   vitrum pixel scenes/hall.toml 100 50 --sample 1 --least 0
   vitrum pixel bunny.obj 64 64 --json > pixel.json
 
-Each ray is shown by the renderer that makes pictures and by the f64 reference:
-its hit, its angles, the shares that were reflected, transmitted and absorbed,
-the light or the occluder of each lamp, and the weight cut off. A pixel is `ill-conditioned` if its f64 value changes when
+Each ray is shown by the renderer that makes pictures and by the f64 reference.
+It has its hit, its angles, the shares that were reflected, transmitted and
+absorbed, the light or the occluder of each lamp, and the weight cut off. A pixel is `ill-conditioned` if its f64 value changes when
 its camera ray moves by a few ulps.")]
 pub(in crate::cli) struct PixelArgs {
     /// Scene (.toml) or model (.obj)
