@@ -18,8 +18,9 @@ use crate::cli::backend::Renderer;
 
 Each ray is shown by the renderer that makes pictures and by the f64 reference.
 It has its hit, its angles, the shares that were reflected, transmitted and
-absorbed, the light or the occluder of each lamp, and the weight cut off. A pixel is `ill-conditioned` if its f64 value changes when
-its camera ray moves by a few ulps.")]
+absorbed, the light or the occluder of each lamp, and the weight cut off. A
+pixel is `ill-conditioned` if its f64 value changes when its camera ray moves
+by a few ulps.")]
 pub(in crate::cli) struct PixelArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
