@@ -20,6 +20,6 @@ pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
 pub use file::{Encoding, encode};
 pub use film::{Film, MOST_PIXELS};
 pub use format::{Bits, Encoded, Format};
-pub use read::{Limits, Picture, ReadOptions, read};
+pub use read::{Limits, Picture, ReadOptions, decode, read};
 pub use save::save;
 pub use write::{Destination, discard_unfinished, discard_unfinished_at_once};

@@ -61,8 +61,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture> {
     decode(&files::read(path, options.limits.bytes)?, path, options)
 }
 
-/// Decodes a file's bytes; errors name `path`.
-fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
+/// Decodes a file's bytes as [`read`] does; errors name `path`.
+///
+/// # Errors
+/// As [`read`], but for those of reading the file.
+pub fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
     // Messages of decoders may have several lines; an error has one.
     let one_line = |e: String| e.split_whitespace().collect::<Vec<_>>().join(" ");
     let wrong = |kind: &'static str| move |e| Error::file(path, format!("not a readable {kind}: {}", one_line(e)));

@@ -11,9 +11,10 @@ use super::origin::{self, Frame, Loss};
 use super::report::{Hull, Reporter};
 use super::smooth::smooth;
 use super::source::Root;
+use super::texture::{self, Reading};
 use super::transform::flip;
 use super::winding::{InsideOut, inside_out};
-use super::{LoadOptions, Loaded, texture};
+use super::{Limits, LoadOptions, Loaded};
 use crate::geometry::topology::{self, Edges, weld};
 use crate::geometry::{Geometry, Shape};
 use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
@@ -97,9 +98,26 @@ impl<'a> Assembly<'a> {
         if let Some(&place) = self.pictures.get(path) {
             return Ok(place);
         }
+        let reading = texture::read(path, &self.picture_limits())?;
+        let place = self.add_picture(path, reading)?;
+        self.pictures.insert(path.to_owned(), place);
+        Ok(place)
+    }
+
+    /// Decodes the bytes of a picture and returns its index; messages name `path`. With `linear`, codes are no colours.
+    pub(super) fn picture_in(&mut self, path: &Path, bytes: &[u8], linear: bool) -> Result<u32> {
+        let reading = texture::decode(bytes, path, linear, &self.picture_limits())?;
+        self.add_picture(path, reading)
+    }
+
+    /// Returns the limits for the next picture.
+    pub(super) fn picture_limits(&self) -> Limits {
         let mut limits = self.options.limits;
         limits.texture_bytes = limits.texture_bytes.saturating_sub(self.picture_bytes);
-        let reading = texture::read(path, &limits)?;
+        limits
+    }
+
+    fn add_picture(&mut self, path: &Path, reading: Reading) -> Result<u32> {
         let pixels = reading.texture.pixels.len() as u64;
         self.picture_bytes += pixels * size_of::<Rgb>() as u64;
         if reading.repaired > 0 {
@@ -111,7 +129,6 @@ impl<'a> Assembly<'a> {
         }
         let place = self.scene.textures.len() as u32;
         self.scene.textures.push(reading.texture);
-        self.pictures.insert(path.to_owned(), place);
         Ok(place)
     }
 
@@ -163,6 +180,9 @@ impl<'a> Assembly<'a> {
         let bulks: Vec<Extent> = shapes.iter().map(|s| s.draft.bulk()).collect();
         let frame = Frame { origin: origin::choose(&extents, &bulks), unit_exponent };
         (self.scene.origin, self.scene.unit_exponent) = (frame.origin, unit_exponent);
+        if unit_exponent != 0 {
+            self.scene.media.iter_mut().for_each(|m| m.absorption *= frame.unit() as f32);
+        }
         self.warn_of_losses(&shapes, &bulks, frame)?;
         for &(material, corner, size) in &self.checkers {
             if let Some(Colour::Checker { offset, .. }) = self.scene.materials.get_mut(material).map(|m| &mut m.diffuse)

@@ -7,7 +7,9 @@ use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
 use super::extent::WIDEST;
+use super::extras::{Lamp, LampKind, View};
 use super::format::Format;
+use super::origin::Frame;
 use super::request::Request;
 use super::transform::Transform;
 use super::{LoadOptions, Loaded};
@@ -32,21 +34,31 @@ pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
-    format.load(path, &request, &mut assembly)?;
-    assembly.settle(None)?;
+    let extras = format.load(path, &request, &mut assembly)?;
+    let frame = assembly.settle(None)?;
     let bounds = assembly.scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
         Shape::Mesh(mesh) => b.union(mesh.bounds()),
         Shape::Sphere(sphere) => b.union(sphere.bounds()),
         Shape::Plane(_) => b,
     });
-    assembly.scene.camera = fitted(&bounds);
-    assembly.scene.lights = lights();
+    assembly.scene.camera = match &extras.view {
+        Some(view) => placed(view, frame, &bounds),
+        None => fitted(&bounds),
+    };
+    let own = extras.lamps.iter().map(|lamp| light(lamp, frame)).collect::<Vec<_>>();
+    let used = match (extras.view.is_some(), own.is_empty()) {
+        (false, true) => "a camera fitted to the model, a key and a fill light, and a sky",
+        (true, true) => "the model's camera, a key and a fill light, and a sky",
+        (false, false) => "a camera fitted to the model, the model's lights, and a sky",
+        (true, false) => "the model's camera and lights, and a sky",
+    };
+    assembly.scene.lights = if own.is_empty() { lights() } else { own };
     assembly.scene.environment = Environment::Gradient {
         nadir: Rgb::splat(0.2),
         horizon: Rgb::new(0.8, 0.85, 0.9),
         zenith: Rgb::new(0.3, 0.45, 0.75),
     };
-    assembly.reporter.default_used("a camera fitted to the model, a key and a fill light, and a sky");
+    assembly.reporter.default_used(used);
     Ok(assembly.finish())
 }
 
@@ -67,6 +79,38 @@ fn fitted(bounds: &Aabb) -> Camera {
         projection: Projection::Pinhole { vfov: VFOV },
         medium: None,
     }
+}
+
+/// Returns the camera of the model's file, whose target is as far as the middle of the model.
+fn placed(view: &View, frame: Frame, bounds: &Aabb) -> Camera {
+    let eye = frame.local(view.eye);
+    let centre = (bounds.lo.as_dvec3() + bounds.hi.as_dvec3()) * 0.5;
+    let distance = (centre - eye).length();
+    // Far enough for the digits of `f32` to hold the direction.
+    let least = eye.abs().max_element().max(f64::MIN_POSITIVE) * 1e-2;
+    let distance = if distance.is_finite() { distance.max(least) } else { least.max(1.0) };
+    let projection = match view.projection {
+        Projection::Orthographic { height } => Projection::Orthographic { height: height / frame.unit() as f32 },
+        other => other,
+    };
+    let target = (eye + view.forward * distance).as_vec3();
+    Camera { eye: eye.as_vec3(), target, up: view.up, projection, medium: None }
+}
+
+/// Returns a light of the model's file, in the scene's unit.
+fn light(lamp: &Lamp, frame: Frame) -> Light {
+    let local = |place| frame.local(place).as_vec3();
+    let kind = match lamp.kind {
+        LampKind::Distant { direction } => LightKind::Directional { direction },
+        LampKind::Point { place } => LightKind::Point { position: local(place) },
+        LampKind::Spot { place, direction, cos_inner, cos_outer } => {
+            LightKind::Spot { position: local(place), direction, cos_inner, cos_outer }
+        }
+    };
+    // A radiant intensity gives an irradiance per square of the unit.
+    let unit = if matches!(kind, LightKind::Directional { .. }) { 1.0 } else { frame.unit() as f32 };
+    let intensity = lamp.intensity / (unit * unit);
+    Light { name: lamp.name.clone(), kind, intensity, falloff: Falloff::InverseSquare, shadows: true }
 }
 
 /// Returns a key light over the camera's left shoulder, and a weak light without shadows from the other side so that no

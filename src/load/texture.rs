@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Limits, LoadOptions};
 use crate::Result;
-use crate::image::{self, ReadOptions};
+use crate::image::{self, Picture, ReadOptions};
 use crate::scene::{Rgb, Texture};
 
 /// Picture and counts of its repairs.
@@ -28,12 +28,32 @@ pub fn picture(path: &Path, options: &LoadOptions) -> Result<Texture> {
 
 /// Reads a picture as [`picture`] does, with counts of its repairs.
 pub(super) fn read(path: &Path, limits: &Limits) -> Result<Reading> {
+    image::read(path, &options(limits)).map(|picture| reading(path, picture))
+}
+
+/// Decodes the bytes of a picture; messages name `path`. With `linear`, codes are not colours but shares of the largest.
+pub(super) fn decode(bytes: &[u8], path: &Path, linear: bool, limits: &Limits) -> Result<Reading> {
+    image::decode(bytes, path, &ReadOptions { linear, ..options(limits) }).map(|picture| reading(path, picture))
+}
+
+/// Returns the mean of the codes of a picture, as shares of the largest one.
+pub(super) fn mean(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[f64; 3]> {
+    let picture = image::decode(bytes, path, &ReadOptions { linear: true, ..options(limits) })?;
+    let pixels = &picture.film.pixels;
+    let sum = pixels.iter().fold([0.0; 3], |sum, p| std::array::from_fn(|c| sum[c] + f64::from(p[c])));
+    Ok(sum.map(|c| c / pixels.len().max(1) as f64))
+}
+
+fn options(limits: &Limits) -> ReadOptions {
     let limits = image::Limits {
         edge: limits.texture_edge,
         pixels: limits.texture_bytes / size_of::<Rgb>() as u64,
         bytes: limits.file_bytes,
     };
-    let picture = image::read(path, &ReadOptions { limits, linear: false })?;
+    ReadOptions { limits, linear: false }
+}
+
+fn reading(path: &Path, picture: Picture) -> Reading {
     let mut repaired = 0;
     let mut light = |pixel: [f32; 3]| {
         let kept = pixel.map(|c| if c.is_finite() && c > 0.0 { c } else { 0.0 });
@@ -43,5 +63,5 @@ pub(super) fn read(path: &Path, limits: &Limits) -> Result<Reading> {
     let pixels = picture.film.pixels.into_iter().map(&mut light).collect();
     let texture =
         Texture { name: path.display().to_string(), width: picture.film.width, height: picture.film.height, pixels };
-    Ok(Reading { texture, repaired, alpha_dropped: picture.alpha_dropped })
+    Reading { texture, repaired, alpha_dropped: picture.alpha_dropped }
 }

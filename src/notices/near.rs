@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::geometry::contact::tolerance;
 use crate::geometry::{Shape, TriMesh};
@@ -36,7 +36,7 @@ fn find(facts: &Facts) -> Vec<Finding> {
             let apart = bounds[i].lo.cmpgt(bounds[j].hi).any() || bounds[j].lo.cmpgt(bounds[i].hi).any();
             if !apart && (weave(p, q) || weave(q, p)) {
                 findings.push(Finding {
-                    place: Place::object(scene, a),
+                    place: FileLocation::object(scene, a),
                     wrong: format!("the surfaces of {} and {} cross each other many times", facts.name(b), facts.name(a)),
                     because: String::from("they follow one shape with different faces"),
                     cure: String::from(

@@ -78,7 +78,13 @@ pub(super) fn mesh<'d>(
                 wrong_transform: &wrong,
             };
             table.finish()?;
-            Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)
+            let extras = Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)?;
+            if extras.view.is_some() || !extras.lamps.is_empty() {
+                let lights = extras.lamps.len();
+                let what = format!("`{name}` without the camera and the lights ({lights}) of its file");
+                assembly.reporter.default_used(what);
+            }
+            Ok(())
         }
         (None, Some(value)) => {
             let kind = value.choice(&KINDS)?;

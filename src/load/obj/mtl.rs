@@ -106,7 +106,8 @@ pub(super) fn material(entry: &Entry, assembly: &mut Assembly<'_>) -> Result<Mat
         _ => None,
     };
     let ambient = if illum == 0 { Rgb::ZERO } else { colour(values.ambient) };
-    Ok(Material { name: entry.name.clone(), ambient, diffuse, highlight, emission, interface })
+    let name = entry.name.clone();
+    Ok(Material { name, ambient, diffuse, highlight, emission, interface, ..Material::default() })
 }
 
 fn rgb(colour: [f64; 3]) -> Rgb {
