@@ -26,7 +26,6 @@ mod trouble;
 pub use candidate::{Candidate, NamedAccel, UnderTest};
 pub use fresnel::INDEX_PAIRS;
 pub use group::Group;
-pub(crate) use plan::PARTS;
 pub use plan::{GroupResult, VerifyPlan};
 use plan::{in_batches, timed};
 pub use scene::fire as fire_at_scene;
