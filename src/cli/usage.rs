@@ -41,7 +41,8 @@ pub(super) fn one_line(e: &clap::Error, given: impl Iterator<Item = OsString>) -
 /// The command that was asked for, whose help lists its options. The parser's message names it in some errors alone.
 fn helped(given: impl Iterator<Item = OsString>) -> String {
     let known = Cli::command();
-    let asked = given.skip(1).find_map(|word| known.find_subcommand(word).map(|found| format!("vitrum {}", found.get_name())));
+    let asked =
+        given.skip(1).find_map(|word| known.find_subcommand(word).map(|found| format!("vitrum {}", found.get_name())));
     asked.unwrap_or_else(|| String::from("vitrum"))
 }
 

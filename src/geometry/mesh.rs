@@ -22,6 +22,8 @@ pub struct TriMesh {
     pub uvs: Vec<Vec2>,
     /// Three indices into `uvs` for each triangle; empty if `uvs` is.
     pub uv_indices: Vec<[u32; 3]>,
+    /// Linear colours of the corners, one for each position; empty if the mesh has none.
+    pub colours: Vec<Vec3>,
 }
 
 impl TriMesh {
@@ -35,7 +37,8 @@ impl TriMesh {
     pub(crate) fn bytes(&self) -> usize {
         let corners = size_of_val(self.positions.as_slice()) + size_of_val(self.triangles.as_slice());
         let normals = size_of_val(self.normals.as_slice()) + size_of_val(self.normal_indices.as_slice());
-        corners + normals + size_of_val(self.uvs.as_slice()) + size_of_val(self.uv_indices.as_slice())
+        let uvs = size_of_val(self.uvs.as_slice()) + size_of_val(self.uv_indices.as_slice());
+        corners + normals + uvs + size_of_val(self.colours.as_slice())
     }
 
     /// The corners of triangle `i`.
@@ -57,6 +60,13 @@ impl TriMesh {
     #[must_use]
     pub fn corner_uvs(&self, i: usize) -> Option<[Vec2; 3]> {
         self.uv_indices.get(i).map(|n| n.map(|k| self.uvs[k as usize]))
+    }
+
+    /// The colours at the corners of triangle `i`, if the mesh has any.
+    #[inline(always)]
+    #[must_use]
+    pub fn corner_colours(&self, i: usize) -> Option<[Vec3; 3]> {
+        if self.colours.is_empty() { None } else { Some(self.triangles[i].map(|k| self.colours[k as usize])) }
     }
 
     /// Returns true if triangle `i` can be hit: its corners are finite, within [`COORDINATE_LIMIT`], and different from each

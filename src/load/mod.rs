@@ -10,9 +10,11 @@ pub mod catalogue;
 mod document;
 mod draft;
 mod extent;
+mod holds;
 mod model;
 mod obj;
 mod origin;
+mod pictures;
 mod report;
 pub mod shapes;
 mod smooth;
@@ -42,6 +44,8 @@ pub struct LoadOptions {
     pub strict: bool,
     /// Folder that must contain every file a scene names; by default that of the scene file.
     pub root: Option<PathBuf>,
+    /// Further folders that may contain files a scene names.
+    pub allow_outside: Vec<PathBuf>,
     /// Limits on the input.
     pub limits: Limits,
 }
@@ -101,6 +105,10 @@ pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => document::load(path, options),
         Some("obj") => model::load(path, options),
-        _ => Err(Error::file(path, "is neither a scene (.toml) nor a model (.obj); give one of these")),
+        _ => {
+            let start = crate::system::files::read_start(path, 4096).unwrap_or_default();
+            let holds = holds::content(&start).map_or_else(String::new, |what| format!("it holds {what}; "));
+            Err(Error::file(path, format!("is neither a scene (.toml) nor a model (.obj); {holds}give one of these")))
+        }
     }
 }

@@ -68,6 +68,7 @@ pub(super) fn mesh<'d>(
             let request = obj::Request {
                 name: name.clone(),
                 material: table.opt("material", |v| names.material(v))?,
+                replace: &[],
                 smooth: table.opt("smooth", |v| {
                     v.number_where("an angle above 0 and up to 180 degrees", |x| x > 0.0 && x <= 180.0)
                 })?,
@@ -77,7 +78,7 @@ pub(super) fn mesh<'d>(
                 wrong_transform: &wrong,
             };
             table.finish()?;
-            obj::load(&path, &request, assembly)
+            obj::load(&path, &request, assembly).map(drop)
         }
         (None, Some(value)) => {
             let kind = value.choice(&KINDS)?;

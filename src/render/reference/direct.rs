@@ -38,7 +38,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         if glow != DVec3::ZERO {
             self.add(at.ray.node, Source::Glow, glow);
         }
-        let albedo = colour::on_surface(scene, &material.diffuse, at.surface.point, at.surface.uv);
+        let albedo = colour::on_surface(scene, &material.diffuse, &at.surface);
         for (number, light) in scene.lights.iter().enumerate() {
             let points = &self.prepared.points;
             let count = if light.kind.is_extended() { points.count() } else { 1 };

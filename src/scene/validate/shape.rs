@@ -35,6 +35,12 @@ fn lists(check: &mut Check<'_>, mesh: &TriMesh) {
         check.length("uv_indices", mesh.uv_indices.len(), triangles);
         indices(check, "an index of a texture coordinate", &mesh.uv_indices, mesh.uvs.len());
     }
+    if !mesh.colours.is_empty() {
+        check.length("colours", mesh.colours.len(), mesh.positions.len());
+        if let Some(bad) = mesh.colours.iter().find(|c| !c.is_finite()) {
+            check.that(false, "a colour of a corner", bad, "finite");
+        }
+    }
 }
 
 /// Reports the first index that is out of range.
