@@ -45,7 +45,8 @@ fn picture(scene: &mut Scene, rows: [f32; 32], sun: Option<(usize, usize, f32)>)
     if let Some((x, y, radiance)) = sun {
         pixels[y * 64 + x] = Rgb::splat(radiance);
     }
-    let texture = scene.add_texture(Texture { name: "sky".into(), width, height, pixels });
+    let texture =
+        scene.add_texture(Texture { name: "sky".into(), width, height, pixels: pixels.into(), ..Texture::default() });
     scene.environment = Environment::LatLong { texture, scale: Rgb::ONE, rotation: 0.0 };
 }
 

@@ -297,7 +297,7 @@ fn kind(shape: &Shape) -> &'static str {
 fn weakest(scene: &Scene, sending: &[usize]) -> Option<(u32, f32)> {
     let share = |&o: &usize| match interface(scene, o) {
         Interface::Mirror { reflectance, .. } => reflectance.abs().max_element(),
-        Interface::Alpha { opacity } => (1.0 - opacity).abs(),
+        Interface::Alpha { opacity, mask: None } => (1.0 - opacity).abs(),
         _ => f32::INFINITY,
     };
     let most = sending.iter().map(share).fold(0.0, f32::max);
@@ -340,7 +340,7 @@ fn conserves(scene: &Scene, sending: &[usize]) -> bool {
         Interface::Dielectric { rule, tint, .. } | Interface::ThinDielectric { rule, tint, .. } => {
             within(*tint) && share(rule)
         }
-        Interface::Alpha { opacity } => (0.0..=1.0).contains(opacity),
+        Interface::Alpha { opacity, .. } => (0.0..=1.0).contains(opacity),
         Interface::Opaque | Interface::Conductor { .. } | Interface::Coated { .. } => true,
     })
 }

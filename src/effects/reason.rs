@@ -59,7 +59,7 @@ impl<'a> Facts<'a> {
                 self.interfaces(|i| matches!(i, Interface::ThinDielectric { .. }), "is a thin pane", "a thin pane")
             }
             Effect::Alpha => self.surfaces(
-                |m| matches!(m.interface, Interface::Alpha { opacity } if opacity < 1.0),
+                |m| matches!(m.interface, Interface::Alpha { opacity, mask } if opacity < 1.0 || mask.is_some()),
                 "covers only a share",
                 "no surface has holes",
             ),

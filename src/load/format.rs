@@ -36,7 +36,7 @@ impl Format {
     pub(super) fn load(self, path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<Extras> {
         match self {
             Self::Gltf => return gltf::load(path, request, assembly),
-            Self::Obj => obj::load(path, request, assembly)?,
+            Self::Obj => drop(obj::load(path, request, assembly)?),
             Self::Ply => ply::load(path, request, assembly)?,
             Self::Stl => stl::load(path, request, assembly)?,
         }

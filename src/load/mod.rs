@@ -13,10 +13,12 @@ mod extent;
 mod extras;
 mod format;
 mod gltf;
+mod holds;
 mod indexed;
 mod model;
 mod obj;
 mod origin;
+mod pictures;
 mod ply;
 mod report;
 mod request;
@@ -51,6 +53,8 @@ pub struct LoadOptions {
     pub root: Option<PathBuf>,
     /// Name of the camera of a glTF model that is rendered by itself; by default the first one.
     pub camera: Option<String>,
+    /// Further folders that may contain files a scene names.
+    pub allow_outside: Vec<PathBuf>,
     /// Limits on the input.
     pub limits: Limits,
 }
@@ -118,7 +122,9 @@ pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
             Some(format) => model::load(path, format, options),
             None => {
                 let models = format::ENDINGS;
-                let message = format!("is neither a scene (.toml) nor a model ({models}); give one of these");
+                let start = crate::system::files::read_start(path, 4096).unwrap_or_default();
+                let holds = holds::content(&start).map_or_else(String::new, |what| format!("it holds {what}; "));
+                let message = format!("is neither a scene (.toml) nor a model ({models}); {holds}give one of these");
                 Err(Error::file(path, message))
             }
         },

@@ -57,7 +57,7 @@ pub(super) fn glows(facts: &Facts, object: usize) -> bool {
 fn is_opaque(facts: &Facts, object: usize) -> bool {
     match facts.material(object).interface {
         Interface::Dielectric { .. } | Interface::ThinDielectric { .. } => false,
-        Interface::Alpha { opacity } => opacity >= 1.0,
+        Interface::Alpha { opacity, mask } => opacity >= 1.0 && mask.is_none(),
         Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => true,
     }
 }

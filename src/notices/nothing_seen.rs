@@ -35,7 +35,7 @@ pub(super) fn is_visible(facts: &Facts, object: usize) -> bool {
             && tint == Rgb::ONE
     };
     match material.interface {
-        Interface::Alpha { opacity } => opacity > 0.0,
+        Interface::Alpha { opacity, .. } => opacity > 0.0,
         Interface::ThinDielectric { ior, rule, tint } => has_base(material) || !clear(f64::from(ior), rule, tint),
         Interface::Dielectric { medium, rule, tint } => {
             let medium = &facts.scene.media[medium as usize];

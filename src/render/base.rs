@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::lookup::{Edge, bilinear, checker_is_even};
+use super::lookup::{checker_is_even, on_surface};
 use super::queue::Rgb8;
 use super::shading::Shading;
 use super::surface::Surface8;
@@ -105,11 +105,15 @@ fn colour<const TEXTURED: bool>(scene: &Scene, colour: &Colour, surface: &Surfac
     match colour {
         Colour::Constant(c) => *c,
         Colour::Image { texture, scale } if TEXTURED => {
-            bilinear(&scene.textures[*texture as usize], surface.uv(scene, k), Edge::Repeat) * *scale
+            on_surface(&scene.textures[*texture as usize], surface.uv(scene, k)) * *scale
+        }
+        Colour::Corners { texture, scale } if TEXTURED => {
+            let picture = texture.map(|t| on_surface(&scene.textures[t as usize], surface.uv(scene, k)));
+            surface.corner_colour(scene, k) * picture.unwrap_or(Vec3::ONE) * *scale
         }
         Colour::Checker { even, odd, size, offset } if TEXTURED => {
             if checker_is_even(surface.point.lane(k), *size, *offset) { *even } else { *odd }
         }
-        Colour::Image { .. } | Colour::Checker { .. } => Vec3::ZERO,
+        Colour::Image { .. } | Colour::Corners { .. } | Colour::Checker { .. } => Vec3::ZERO,
     }
 }

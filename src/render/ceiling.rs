@@ -138,7 +138,12 @@ fn of_surface(material: &Material, base: DVec3, beyond: DVec3, environment: DVec
         Interface::Conductor { .. } => base + beyond,
         Interface::Dielectric { rule, tint, .. } | Interface::ThinDielectric { rule, tint, .. } => divided(rule, tint),
         Interface::Coated { .. } => base.max(beyond),
-        Interface::Alpha { opacity } => {
+        // The mask may cover nothing and may cover all.
+        Interface::Alpha { opacity, mask: Some(_) } => {
+            let opacity = f64::from(opacity).abs();
+            (base * opacity + beyond * (1.0 - opacity).abs()).max(beyond)
+        }
+        Interface::Alpha { opacity, mask: None } => {
             let opacity = f64::from(opacity);
             base * opacity.abs() + beyond * (1.0 - opacity).abs()
         }
@@ -178,6 +183,14 @@ fn of_colour(scene: &Scene, colour: &Colour) -> DVec3 {
     match colour {
         Colour::Constant(colour) => colour.abs().as_dvec3(),
         Colour::Image { texture, scale } => of_texture(scene, *texture) * scale.abs().as_dvec3(),
+        Colour::Corners { texture, scale } => {
+            let corners = scene.geometry.iter().flat_map(|g| match &g.shape {
+                Shape::Mesh(mesh) => mesh.colours.as_slice(),
+                Shape::Sphere(_) | Shape::Plane(_) => &[],
+            });
+            let most = corners.fold(Vec3::ONE, |most, c| most.max(c.abs())).as_dvec3();
+            most * texture.map_or(DVec3::ONE, |t| of_texture(scene, t)) * scale.abs().as_dvec3()
+        }
         Colour::Checker { even, odd, .. } => even.abs().max(odd.abs()).as_dvec3(),
     }
 }

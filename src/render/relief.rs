@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::geometry::{Shape, TriMesh};
-use crate::scene::{Beyond, Relief, Scene};
+use crate::scene::{Relief, Scene};
 
 /// Returns the unit normal of a point of a mesh whose material has a relief; `None` without one, or where the mesh has no
 /// texture coordinates that span its surface. `normal` is the unit normal without relief, on the outside, and `u` and `v`
@@ -34,7 +34,7 @@ fn on_triangle(
     let across = normal.cross(tangent);
     let bitangent = if across.dot(along_v) < 0.0 { -across } else { across };
     let place = places[0] * (1.0 - u - v) + places[1] * u + places[2] * v;
-    let code = scene.textures[relief.texture as usize].lookup(place.x, place.y, Beyond::Repeat);
+    let code = scene.textures[relief.texture as usize].on_surface(place.x, place.y);
     let strength = f64::from(relief.strength);
     let [x, y, z] = (code * 2.0 - 1.0).to_array();
     (tangent * (x * strength) + bitangent * (y * strength) + normal * z).try_normalize()

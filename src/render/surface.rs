@@ -2,13 +2,14 @@
 
 use glam::{Vec2, Vec3};
 
+use super::lookup::on_surface;
 use super::media::StackId;
 use super::queue::{Chunk, Rgb8, Spawn8};
 use super::relief::embossed;
 use crate::geometry::{GeometryMask, Hit, Hit8, Shape, Spot};
 use crate::math::{LaneMask, Real};
 use crate::optics::consistent_normal;
-use crate::scene::Scene;
+use crate::scene::{Interface, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
 /// Eight surface points that rays hit. Lanes that are not `active` repeat an active one.
@@ -254,6 +255,31 @@ impl Surface8 {
     #[must_use]
     pub fn lead(&self, dir: Vec3x8) -> F32x8 {
         self.reach * dir.dot(self.normal).abs()
+    }
+
+    /// Returns the share of lane `k` that its surface covers: below 1 only for [`Interface::Alpha`].
+    #[inline(always)]
+    #[must_use]
+    pub fn opacity(&self, scene: &Scene, k: usize) -> f32 {
+        match scene.materials[self.material[k] as usize].interface {
+            Interface::Alpha { opacity, mask: None } => opacity,
+            Interface::Alpha { opacity, mask: Some(mask) } => {
+                opacity * on_surface(&scene.textures[mask as usize], self.uv(scene, k)).x
+            }
+            _ => 1.0,
+        }
+    }
+
+    /// Returns the colour of lane `k` between the corners of its triangle; white if the shape has none.
+    #[must_use]
+    pub fn corner_colour(&self, scene: &Scene, k: usize) -> Vec3 {
+        let hit = &self.hit[k];
+        match &scene.geometry[hit.geometry as usize].shape {
+            Shape::Mesh(mesh) => mesh
+                .corner_colours(hit.primitive as usize)
+                .map_or(Vec3::ONE, |[a, b, c]| a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v),
+            Shape::Sphere(_) | Shape::Plane(_) => Vec3::ONE,
+        }
     }
 
     /// Returns the texture coordinates of lane `k`, as [`crate::scene::Colour::Image`] defines them.

@@ -96,7 +96,7 @@ impl Material {
     pub fn is_transmissive(&self) -> bool {
         match self.interface {
             Interface::Dielectric { .. } | Interface::ThinDielectric { .. } => true,
-            Interface::Alpha { opacity } => opacity < 1.0,
+            Interface::Alpha { opacity, mask } => opacity < 1.0 || mask.is_some(),
             Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
                 false
             }
@@ -116,6 +116,13 @@ pub enum Colour {
         /// Index into `Scene::textures`.
         texture: u32,
         /// Factor on the picture's colours.
+        scale: Rgb,
+    },
+    /// Colours at the corners of a mesh, interpolated and multiplied by `scale`; white on other shapes.
+    Corners {
+        /// Picture that multiplies the colours, as an index into `Scene::textures`.
+        texture: Option<u32>,
+        /// Factor on the colours.
         scale: Rgb,
     },
     /// Cubes of two colours by position: `even` where the sum of `floor((p - offset) / size)` over the three axes is
@@ -208,6 +215,8 @@ pub enum Interface {
     Alpha {
         /// Share covered, 0..=1.
         opacity: f32,
+        /// Picture whose red channel, 0..=1, multiplies the share: an index into `Scene::textures`.
+        mask: Option<u32>,
     },
 }
 

@@ -11,6 +11,7 @@ mod material;
 pub mod ranges;
 mod settings;
 mod shine;
+mod texels;
 mod texture;
 mod validate;
 
@@ -23,7 +24,8 @@ pub use map::MapKind;
 pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Relief};
 pub use settings::{LampChoice, LampSampling, LightsFrom, Pattern, Settings, ShadowRule};
 pub use shine::Shining;
-pub use texture::{Beyond, Texture};
+pub use texels::Texels;
+pub use texture::{Beyond, Texture, Wrap};
 pub use validate::{Part, SceneEntry, SceneError};
 
 use glam::DVec3;
@@ -115,7 +117,7 @@ impl Scene {
 
     /// Returns the bytes of the lists that grow with models and pictures.
     fn bytes(&self) -> u64 {
-        let pictures: usize = self.textures.iter().map(|t| size_of_val(t.pixels.as_slice())).sum();
+        let pictures: usize = self.textures.iter().map(|t| t.pixels.bytes()).sum();
         let lines: usize = self.objects.iter().map(|o| size_of_val(o.origin.triangle_lines.as_slice())).sum();
         let meshes =
             self.geometry.iter().filter_map(|g| if let Shape::Mesh(mesh) = &g.shape { Some(mesh) } else { None });

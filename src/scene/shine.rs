@@ -75,7 +75,7 @@ impl Scene {
     #[must_use]
     pub fn can_light(&self, object: usize) -> bool {
         let material = &self.materials[self.objects[object].material as usize];
-        let seen = !matches!(material.interface, Interface::Alpha { opacity } if opacity <= 0.0);
+        let seen = !matches!(material.interface, Interface::Alpha { opacity, .. } if opacity <= 0.0);
         let bounded = !matches!(self.geometry[object].shape, Shape::Plane(_));
         material.emission != Rgb::ZERO && seen && bounded
     }

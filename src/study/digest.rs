@@ -49,7 +49,7 @@ fn scene(scene: &Scene, hasher: &mut DefaultHasher) {
     let materials: Vec<u32> = scene.objects.iter().map(|o| o.material).collect();
     materials.hash(hasher);
     for texture in &scene.textures {
-        (texture.width, texture.height).hash(hasher);
+        (texture.width, texture.height, texture.wrap).hash(hasher);
         texture.pixels.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
     }
     // Plain data of a few lines each.
@@ -69,7 +69,7 @@ fn scene(scene: &Scene, hasher: &mut DefaultHasher) {
 }
 
 fn mesh(mesh: &TriMesh, hasher: &mut DefaultHasher) {
-    for list in [&mesh.positions, &mesh.normals] {
+    for list in [&mesh.positions, &mesh.normals, &mesh.colours] {
         list.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
     }
     mesh.uvs.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));

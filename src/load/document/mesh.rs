@@ -69,6 +69,7 @@ pub(super) fn mesh<'d>(
             let request = Request {
                 name: name.clone(),
                 material: table.opt("material", |v| names.material(v))?,
+                replace: &[],
                 smooth: table.opt("smooth", |v| {
                     v.number_where("an angle above 0 and up to 180 degrees", |x| x > 0.0 && x <= 180.0)
                 })?,

@@ -12,6 +12,7 @@
 //! | all | a base of albedo `c (1 - m)(1 - t) + c m r^2`, and the share `r` of the reflection as a highlight |
 //! | unlit | a surface that emits `c` |
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -24,6 +25,7 @@ use super::picture::Pictures;
 use super::texture::{Placement, TextureRef};
 use crate::Result;
 use crate::load::assembly::Assembly;
+use crate::load::pictures::{Picture, Use};
 use crate::optics::{absorption_from_colour, cauchy_from_abbe};
 use crate::scene::ranges::EXPONENTS;
 use crate::scene::{
@@ -53,15 +55,15 @@ pub(super) struct Materials<'d, 'p> {
     pub pictures: Pictures,
     /// World length of 1 in the file.
     pub scale: f64,
-    /// Material by index; the last one is the default.
-    made: Vec<Option<Made>>,
+    /// Material by index, and by whether the mesh has colours at its vertices; the last index is the default.
+    made: HashMap<(usize, bool), Made>,
 }
 
 /// Properties of a surface, after the pictures that only their means enter.
 struct Surface {
     name: String,
     base: DVec3,
-    picture: Option<u32>,
+    picture: Option<Picture>,
     /// Mean colour of the picture; white without one.
     mean: DVec3,
     alpha: f64,
@@ -79,25 +81,26 @@ struct Surface {
 
 impl<'d, 'p> Materials<'d, 'p> {
     pub(super) fn new(document: &'d Document<'p>, scale: f64) -> Self {
-        Self { document, pictures: Pictures::default(), scale, made: vec![None; document.root.materials.len() + 1] }
+        Self { document, pictures: Pictures::default(), scale, made: HashMap::new() }
     }
 
-    /// Returns the material of a primitive; one that it does not name, or that does not exist, is the default.
-    pub(super) fn get(&mut self, index: Option<usize>, assembly: &mut Assembly<'_>) -> Result<Made> {
+    /// Returns the material of a primitive, `painted` if it has colours at its vertices. One that it does not name, or that
+    /// does not exist, is the default.
+    pub(super) fn get(&mut self, index: Option<usize>, painted: bool, assembly: &mut Assembly<'_>) -> Result<Made> {
         let materials = &self.document.root.materials;
         let slot = index.map_or(materials.len(), |i| i.min(materials.len()));
-        if let Some(made) = self.made[slot] {
+        if let Some(&made) = self.made.get(&(slot, painted)) {
             return Ok(made);
         }
         let made = match materials.get(slot) {
-            Some(given) => self.make(given, slot, assembly)?,
-            None => Made { material: assembly.add_material(plain())?, placement: None },
+            Some(given) => self.make(given, slot, painted, assembly)?,
+            None => Made { material: assembly.add_material(plain(painted))?, placement: None },
         };
-        self.made[slot] = Some(made);
+        self.made.insert((slot, painted), made);
         Ok(made)
     }
 
-    fn make(&mut self, given: &Given, index: usize, assembly: &mut Assembly<'_>) -> Result<Made> {
+    fn make(&mut self, given: &Given, index: usize, painted: bool, assembly: &mut Assembly<'_>) -> Result<Made> {
         let extensions = given.extensions.as_ref().map(|e| &e.others);
         let of = |name: &str| Fields::of(extensions, name);
         let pbr = &given.pbr_metallic_roughness;
@@ -110,12 +113,12 @@ impl<'d, 'p> Materials<'d, 'p> {
         let opacity = self.opacity(given, &surface, assembly)?;
         if unlit {
             surface.emission = base * surface.mean;
-            surface.glow = surface.picture.zip(texture).map(|(picture, t)| (picture, base, t.placement));
+            surface.glow = surface.picture.zip(texture).map(|(picture, t)| (picture.texture, base, t.placement));
             diffuse = DVec3::ZERO;
         } else if surface.transmission > 0.0 {
             interface = self.transparent(given, &surface, assembly)?;
-        } else if let Some(opacity) = opacity {
-            interface = Interface::Alpha { opacity: opacity as f32 };
+        } else if let Some((opacity, mask)) = opacity {
+            interface = Interface::Alpha { opacity: opacity as f32, mask };
         } else if m * (1.0 - r) >= LEAST_MIRROR {
             let reflectance = base * surface.mean * m * (1.0 - r);
             interface = Interface::Mirror { reflectance: rgb(reflectance), source: MirrorSource::Traced };
@@ -141,29 +144,31 @@ impl<'d, 'p> Materials<'d, 'p> {
             }
         }
         let lit = diffuse != DVec3::ZERO;
-        let colour = match surface.picture.filter(|_| lit) {
-            Some(texture) => Colour::Image { texture, scale: rgb(diffuse) },
-            None => Colour::Constant(rgb(diffuse)),
-        };
-        let mut placement = texture.filter(|_| matches!(colour, Colour::Image { .. })).map(|t| t.placement);
+        let picture = surface.picture.filter(|_| lit).map(|p| p.texture);
+        let colour = colour(picture, rgb(diffuse), painted && lit);
+        let masked = matches!(interface, Interface::Alpha { mask: Some(_), .. });
+        let mut placement = texture.filter(|_| picture.is_some() || masked).map(|t| t.placement);
         let mut glow = None;
         if let Some((picture, factor, place)) = surface.glow {
             if placement.is_none_or(|p| p == place) {
-                glow = Some(Colour::Image { texture: picture, scale: rgb(factor) });
+                glow = Some(self::colour(Some(picture), rgb(factor), painted && unlit));
                 placement = Some(place);
             } else {
                 let kind = "a picture of emission with texture coordinates of its own is replaced by its mean";
                 self.warn(assembly, kind, &surface.name)?;
             }
         }
+        if painted && unlit && glow.is_none() {
+            glow = Some(self::colour(None, rgb(base), true));
+        }
         let mut relief = None;
         if let Some(normal) = given.normal_texture.as_ref().filter(|_| !unlit) {
             let set = normal.tex_coord;
             let at = TextureRef::new(normal.index.value(), set, normal.extensions.as_ref().map(|e| &e.others));
             if placement.is_none_or(|p| p == at.placement) {
-                let picture = self.pictures.codes(self.document, at.texture, assembly)?;
+                let picture = self.pictures.picture(self.document, at.texture, Use::Codes, assembly)?;
                 let strength = if normal.scale.is_finite() { normal.scale } else { 1.0 };
-                relief = picture.map(|texture| Relief { texture, strength });
+                relief = picture.map(|p| Relief { texture: p.texture, strength });
                 placement = relief.map(|_| at.placement).or(placement);
             } else {
                 let kind = "a picture of normals with texture coordinates of its own is left out";
@@ -195,7 +200,13 @@ impl<'d, 'p> Materials<'d, 'p> {
         let [mut metallic, mut roughness] =
             [pbr.metallic_factor.0, pbr.roughness_factor.0].map(|x| share(f64::from(x)));
         let picture = match &pbr.base_color_texture {
-            Some(info) => self.pictures.colour(self.document, TextureRef::of(info).texture, assembly)?,
+            Some(info) => {
+                let usage = match given.alpha_mode {
+                    Checked::Valid(AlphaMode::Mask) => Use::Cut(cut(given, alpha)),
+                    _ => Use::Srgb,
+                };
+                self.pictures.picture(self.document, TextureRef::of(info).texture, usage, assembly)?
+            }
             None => None,
         };
         if let Some(info) = pbr.metallic_roughness_texture.as_ref().filter(|_| metallic > 0.0 || roughness > 0.0) {
@@ -209,9 +220,9 @@ impl<'d, 'p> Materials<'d, 'p> {
         let mut glow = None;
         if let (Some(info), true) = (&given.emissive_texture, emission != DVec3::ZERO) {
             let at = TextureRef::of(info);
-            if let Some(picture) = self.pictures.colour(self.document, at.texture, assembly)? {
-                glow = Some((picture, emission, at.placement));
-                emission *= mean_of(assembly, picture);
+            if let Some(picture) = self.pictures.picture(self.document, at.texture, Use::Srgb, assembly)? {
+                glow = Some((picture.texture, emission, at.placement));
+                emission *= mean_of(assembly, picture.texture);
             }
         }
         glow = glow.filter(|_| emission != DVec3::ZERO);
@@ -244,7 +255,7 @@ impl<'d, 'p> Materials<'d, 'p> {
             }
         }
         let base = DVec3::new(r, g, b);
-        let mean = picture.map_or(DVec3::ONE, |t| mean_of(assembly, t));
+        let mean = picture.map_or(DVec3::ONE, |p| mean_of(assembly, p.texture));
         Ok(Surface {
             name,
             base,
@@ -268,14 +279,23 @@ impl<'d, 'p> Materials<'d, 'p> {
         Ok(mean)
     }
 
-    /// Returns the opacity of a surface that shows what is behind it.
-    fn opacity(&mut self, given: &Given, surface: &Surface, assembly: &mut Assembly<'_>) -> Result<Option<f64>> {
+    /// Returns the opacity of a surface that shows what is behind it, and the picture that varies it.
+    fn opacity(
+        &mut self,
+        given: &Given,
+        surface: &Surface,
+        assembly: &mut Assembly<'_>,
+    ) -> Result<Option<(f64, Option<u32>)>> {
+        let mask = surface.picture.and_then(|p| p.alpha);
         match given.alpha_mode {
-            Checked::Valid(AlphaMode::Blend) => Ok(Some(surface.alpha).filter(|&a| a < 1.0)),
-            Checked::Valid(AlphaMode::Mask) => {
-                let cutoff = given.alpha_cutoff.map_or(0.5, |c| f64::from(c.0));
-                Ok((surface.alpha < cutoff).then_some(0.0))
+            Checked::Valid(AlphaMode::Blend) => {
+                Ok(Some((surface.alpha, mask)).filter(|&(a, mask)| a < 1.0 || mask.is_some()))
             }
+            // Without an alpha channel the picture covers wholly.
+            Checked::Valid(AlphaMode::Mask) if mask.is_none() => {
+                Ok((surface.alpha < cutoff(given)).then_some((0.0, None)))
+            }
+            Checked::Valid(AlphaMode::Mask) => Ok(Some((1.0, mask))),
             Checked::Valid(AlphaMode::Opaque) => Ok(None),
             Checked::Invalid => {
                 self.warn(assembly, "an alpha mode that is not known counts as opaque", &surface.name)?;
@@ -337,8 +357,28 @@ impl<'d, 'p> Materials<'d, 'p> {
 }
 
 /// Returns the material of primitives that name none: white and matt, for a fully rough metal is no better.
-fn plain() -> Material {
-    Material { diffuse: Colour::Constant(Rgb::ONE), ..Material::default() }
+fn plain(painted: bool) -> Material {
+    Material { diffuse: colour(None, Rgb::ONE, painted), ..Material::default() }
+}
+
+/// Returns a colour by a picture, by the colours of vertices if `painted`, or one for all.
+fn colour(picture: Option<u32>, scale: Rgb, painted: bool) -> Colour {
+    match (picture, painted) {
+        (texture, true) => Colour::Corners { texture, scale },
+        (Some(texture), false) => Colour::Image { texture, scale },
+        (None, false) => Colour::Constant(scale),
+    }
+}
+
+fn cutoff(given: &Given) -> f64 {
+    given.alpha_cutoff.map_or(0.5, |c| f64::from(c.0))
+}
+
+/// Returns the smallest code of alpha that covers, under a factor on alpha.
+fn cut(given: &Given, factor: f64) -> u8 {
+    let least = (cutoff(given) / factor.max(1e-6) * 255.0).ceil();
+    // Nothing covers if not even the largest code does; 255 then stands for that.
+    least.clamp(0.0, 255.0) as u8
 }
 
 fn interface_is_opaque(interface: Interface) -> bool {

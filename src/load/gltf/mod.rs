@@ -23,8 +23,9 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DMat4;
-use gltf_json::mesh::Mesh;
+use gltf_json::mesh::{Mesh, Semantic};
 use gltf_json::scene::Node;
+use gltf_json::validation::Checked;
 
 use self::document::Document;
 use self::material::Materials;
@@ -171,7 +172,10 @@ impl Reading<'_, '_, '_> {
         let given = &mesh.primitives[primitive];
         let made = match self.request.material {
             Some(_) => None,
-            None => Some(self.materials.get(given.material.map(|m| m.value()), assembly)?),
+            None => {
+                let painted = given.attributes.contains_key(&Checked::Valid(Semantic::Colors(0)));
+                Some(self.materials.get(given.material.map(|m| m.value()), painted, assembly)?)
+            }
         };
         let skinned = node.skin.is_some();
         let own = skinned || node.weights.is_some();

@@ -4,63 +4,49 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
+use gltf_json::texture::{MagFilter, WrappingMode};
+use gltf_json::validation::Checked;
+
 use super::document::{Document, Uri, resolve};
 use super::extension::Fields;
 use crate::Result;
 use crate::load::assembly::Assembly;
+use crate::load::pictures::{Picture, Use};
 use crate::load::texture;
+use crate::scene::Wrap;
 use crate::system::files::read;
 
 /// Pictures read so far.
 #[derive(Default)]
 pub(super) struct Pictures {
-    /// Index into `Scene::textures` by image, and by whether its codes are no colours; `None` for a picture that cannot be
-    /// read.
-    known: HashMap<(usize, bool), Option<u32>>,
+    /// Indices by texture and use; `None` for a picture that cannot be read.
+    known: HashMap<(usize, Use), Option<Picture>>,
     /// Mean codes by image.
     means: HashMap<usize, Option<[f64; 3]>>,
 }
 
 impl Pictures {
-    /// Returns the index of a texture's picture in linear colour. One that cannot be read is left out, with a warning.
-    pub(super) fn colour(
+    /// Returns the indices of a texture's picture for a use. One that cannot be read is left out, with a warning.
+    pub(super) fn picture(
         &mut self,
         document: &Document<'_>,
         texture: usize,
+        usage: Use,
         assembly: &mut Assembly<'_>,
-    ) -> Result<Option<u32>> {
-        self.picture(document, texture, false, assembly)
-    }
-
-    /// Returns the index of a texture's picture whose codes are shares of the largest one.
-    pub(super) fn codes(
-        &mut self,
-        document: &Document<'_>,
-        texture: usize,
-        assembly: &mut Assembly<'_>,
-    ) -> Result<Option<u32>> {
-        self.picture(document, texture, true, assembly)
-    }
-
-    fn picture(
-        &mut self,
-        document: &Document<'_>,
-        texture: usize,
-        linear: bool,
-        assembly: &mut Assembly<'_>,
-    ) -> Result<Option<u32>> {
-        let Some(image) = image(document, texture, assembly)? else { return Ok(None) };
-        if let Some(&known) = self.known.get(&(image, linear)) {
+    ) -> Result<Option<Picture>> {
+        if let Some(&known) = self.known.get(&(texture, usage)) {
             return Ok(known);
         }
+        let Some(image) = image(document, texture, assembly)? else { return Ok(None) };
+        let wrap = wrap(document, texture, assembly)?;
         let place = match bytes(document, image, assembly) {
-            Ok((name, bytes)) => match assembly.picture_in(&name, &bytes, linear) {
+            Ok((name, bytes)) => match assembly.picture_in(&name, &bytes, usage, wrap) {
                 Ok(place) => Some(place),
                 Err(e) => left_out(document, image, &e.to_string(), assembly)?,
             },
             Err(e) => left_out(document, image, &e, assembly)?,
         };
-        self.known.insert((image, linear), place);
+        self.known.insert((texture, usage), place);
         Ok(place)
     }
 
@@ -108,6 +94,21 @@ fn image(document: &Document<'_>, texture: usize, assembly: &mut Assembly<'_>) -
         return Ok(None);
     }
     Ok(Some(image))
+}
+
+/// Returns the continuation of a texture's picture.
+fn wrap(document: &Document<'_>, texture: usize, assembly: &mut Assembly<'_>) -> Result<[Wrap; 2]> {
+    let sampler = document.root.textures.get(texture).and_then(|t| document.root.samplers.get(t.sampler?.value()));
+    let Some(sampler) = sampler else { return Ok([Wrap::Repeat; 2]) };
+    if matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest))) {
+        let kind = "pictures that ask for their nearest texel are interpolated";
+        assembly.reporter.warn(document.path, 0, kind, || format!(": texture {texture}"))?;
+    }
+    Ok([sampler.wrap_s, sampler.wrap_t].map(|mode| match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+        Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
+    }))
 }
 
 /// Returns the bytes of an image with its name in messages, or the reason why there are none.

@@ -70,18 +70,11 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
         }
         None if mesh.mesh.colours.is_empty() => assembly.add_material(Material::default())?,
         None => {
-            let kind = "colours of corners are replaced by their mean";
-            assembly.reporter.warn(path, 0, kind, String::new)?;
-            let diffuse = Colour::Constant(mean(&mesh.mesh.colours));
+            let diffuse = Colour::Corners { texture: None, scale: Rgb::ONE };
             assembly.add_material(Material { name: String::from("colours"), diffuse, ..Material::default() })?
         }
     };
     request.add(path, None, mesh, material, lines, assembly)
-}
-
-fn mean(colours: &[Rgb]) -> Rgb {
-    let sum = colours.iter().fold(DVec3::ZERO, |sum, c| sum + c.as_dvec3());
-    (sum / colours.len() as f64).as_vec3()
 }
 
 /// Returns the message for a file in which nothing can be drawn.

@@ -35,14 +35,15 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let weight = at.ray.weight * share;
         let material = at.material;
         let ambient = material.ambient.as_dvec3() * scene.ambient.as_dvec3();
-        let emission = material.glow.as_ref().map_or(material.emission.as_dvec3(), |glow| {
-            colour::on_surface(scene, glow, at.surface.point, at.surface.uv)
-        });
+        let emission = material
+            .glow
+            .as_ref()
+            .map_or(material.emission.as_dvec3(), |glow| colour::on_surface(scene, glow, &at.surface));
         let glow = weight * (emission + ambient);
         if glow != DVec3::ZERO {
             self.add(at.ray.node, Source::Glow, glow);
         }
-        let albedo = colour::on_surface(scene, &material.diffuse, at.surface.point, at.surface.uv);
+        let albedo = colour::on_surface(scene, &material.diffuse, &at.surface);
         for (number, light) in scene.lights.iter().enumerate().filter(|(_, light)| !scene.is_sampled(light)) {
             let points = &self.prepared.points;
             let count = if light.kind.is_extended() { points.count() } else { 1 };

@@ -1,6 +1,6 @@
 //! Direct light of lamps at a point, and its occlusion.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
@@ -10,6 +10,7 @@ use super::super::unmatched::UnmatchedExits;
 use super::media::{MediumStack, Transition};
 use super::polarisation::Polarisation;
 use super::split::{Lobes, at_boundary, at_pane};
+use super::surface::Surface;
 use super::trace::Arrival;
 use super::{Prepared, colour, surface};
 use crate::accel::reference::Ray64;
@@ -195,7 +196,7 @@ fn march(
         reached = crossing.t;
         let id = (crossing.geometry, crossing.primitive);
         match ContactPoint::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
-            None => light.cross_face(crossing.geometry, crossing.outward),
+            None => light.cross_face(crossing.geometry, crossing.outward, crossing.uv),
             Some(place) => {
                 let (sides, apart) = place.sides(ray.dir);
                 crossed = (sides, crossing.t + apart / (crossing.cos * ray.dir.length()));
@@ -234,7 +235,10 @@ impl Marched<'_> {
         let mut place = place;
         while let Some(here) = place {
             match here.layer() {
-                Layer::Alone(face) => self.cross_face(face.object, face.outward(here.point())),
+                Layer::Alone(face) => {
+                    let uv = Surface::on_face(scene, self.ray, face, here.point(), 0.0).uv;
+                    self.cross_face(face.object, face.outward(here.point()), uv);
+                }
                 Layer::Media(faces) => {
                     let outside = |face: &Face| here.is_outside(face, self.ray.dir);
                     let body = |object| self.prepared.bodies.of_object(object);
@@ -274,7 +278,7 @@ impl Marched<'_> {
     }
 
     /// Crosses one surface.
-    fn cross_face(&mut self, object: u32, outward: DVec3) {
+    fn cross_face(&mut self, object: u32, outward: DVec3, uv: DVec2) {
         let filled = self.prepared.filled();
         match self.prepared.material(object).interface {
             Interface::Dielectric { .. } => {
@@ -290,7 +294,7 @@ impl Marched<'_> {
                 self.share *= transmission.share * tint.as_dvec3();
                 self.carried = transmission.polarisation;
             }
-            Interface::Alpha { opacity } => self.share *= 1.0 - f64::from(opacity),
+            ref cover @ Interface::Alpha { .. } => self.share *= 1.0 - colour::opacity(self.prepared.scene, cover, uv),
             // Opaque surfaces only arrive here with a wrong geometry mask. They block the light.
             Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
                 self.share = DVec3::ZERO;

@@ -31,6 +31,8 @@ pub(super) struct Surface {
     pub interpolated: Option<DVec3>,
     /// Texture coordinates, as [`crate::scene::Colour::Image`] defines them.
     pub uv: DVec2,
+    /// Colour between the corners; white where the mesh has none.
+    pub colour: DVec3,
 }
 
 impl Surface {
@@ -54,6 +56,10 @@ impl Surface {
                     let [a, b, c] = uv.map(|uv| uv.as_dvec2());
                     a * w + b * u + c * v
                 });
+                let colour = mesh.corner_colours(i).map_or(DVec3::ONE, |colours| {
+                    let [a, b, c] = colours.map(|c| c.as_dvec3());
+                    a * w + b * u + c * v
+                });
                 Self {
                     point: a * w + b * u + c * v,
                     clearance: clearance([a, b, c]),
@@ -61,6 +67,7 @@ impl Surface {
                     outward: outward.unwrap_or_else(|| -ray.dir.normalize()),
                     interpolated,
                     uv,
+                    colour,
                 }
             }
             Shape::Sphere(sphere) => {
@@ -74,6 +81,7 @@ impl Surface {
                     outward,
                     interpolated: None,
                     uv: equirectangular(outward),
+                    colour: DVec3::ONE,
                 }
             }
             Shape::Plane(plane) => {
@@ -85,7 +93,7 @@ impl Surface {
                 let left = outward.dot(once - foot);
                 let point = once - outward * left;
                 let clearance = clearance([point, foot, DVec3::splat(left)]);
-                Self { point, clearance, outward, interpolated: None, uv: DVec2::ZERO }
+                Self { point, clearance, outward, interpolated: None, uv: DVec2::ZERO, colour: DVec3::ONE }
             }
         }
     }
@@ -134,6 +142,8 @@ pub(super) struct Crossing {
     pub cos: f64,
     /// Unit normal of the surface, on the outside.
     pub outward: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
 }
 
 /// Returns every surface along `ray`, in order. At an edge or corner shared by triangles of one mesh the surface counts
@@ -145,7 +155,7 @@ pub(super) fn crossings(scene: &Scene, accel: &Reference, ray: &Ray64) -> Vec<Cr
         let along = surface.outward.dot(ray.dir) / ray.dir.length();
         let (front, cos, outward) = (along < 0.0, along.abs(), surface.outward);
         let (geometry, primitive, point) = (hit.geometry, hit.primitive, surface.point);
-        let crossing = Crossing { t: hit.t, geometry, primitive, point, front, cos, outward };
+        let crossing = Crossing { t: hit.t, geometry, primitive, point, front, cos, outward, uv: surface.uv };
         let same_place = surface.clearance / (along.abs() * ray.dir.length());
         let again = found.iter().rev().take_while(|o| crossing.t - o.t <= same_place);
         if !again.clone().any(|o| o.geometry == crossing.geometry && o.front == crossing.front) {

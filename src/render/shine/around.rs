@@ -137,10 +137,10 @@ fn of_picture(picture: &Texture, scale: Rgb) -> Grid {
     }
     let (columns, rows) = (w.div_ceil(block), h.div_ceil(block));
     let mut sums = vec![0.0; columns * rows];
-    for (y, row) in picture.pixels.chunks(w).enumerate() {
+    for y in 0..h {
         // A block at the edge has the share of what it covers.
         let line = &mut sums[y * rows / h * columns..][..columns];
-        row.iter().enumerate().for_each(|(x, &texel)| line[x * columns / w] += brightness(texel * scale));
+        (0..w).for_each(|x| line[x * columns / w] += brightness(picture.pixels.get(y * w + x) * scale));
     }
     let share = (columns * rows) as f64 / (w * h) as f64;
     Grid { columns, rows, brightness: sums.into_iter().map(|sum| sum * share).collect() }
@@ -272,7 +272,13 @@ mod tests {
         let (width, height) = (64, 32);
         let mut pixels = vec![Rgb::splat(ground); (width * height) as usize];
         pixels[(y * width + x) as usize] = Rgb::splat(sun);
-        let texture = scene.add_texture(Texture { name: "sky".into(), width, height, pixels });
+        let texture = scene.add_texture(Texture {
+            name: "sky".into(),
+            width,
+            height,
+            pixels: pixels.into(),
+            ..Texture::default()
+        });
         scene.environment = Environment::LatLong { texture, scale: Rgb::ONE, rotation: 0.7 };
         scene
     }

@@ -12,7 +12,7 @@ use crate::math::{Real, Vector3, gamma};
 use crate::optics::{Boundary, Exact, FresnelFormula};
 use crate::render::extent::{Ball, Extent};
 use crate::render::light::within_cone;
-use crate::scene::{Interface, Light, LightKind, Rgb, Scene};
+use crate::scene::{Interface, Light, LightKind, Rgb, Scene, Texture};
 
 /// Largest number of times that a triangle is divided into quarters.
 const MOST_DIVISIONS: u32 = 8;
@@ -181,12 +181,23 @@ fn vector<R: Real>(v: DVec3) -> Vector3<R> {
 
 fn radiance(scene: &Scene, object: usize) -> Radiance {
     let material = &scene.materials[scene.objects[object].material as usize];
-    let share = if let Interface::Alpha { opacity } = material.interface { opacity } else { 1.0 };
+    let share = match material.interface {
+        Interface::Alpha { opacity, mask } => {
+            opacity * mask.map_or(1.0, |mask| mean_red(&scene.textures[mask as usize]))
+        }
+        _ => 1.0,
+    };
     let coat = match material.interface {
         Interface::Coated { ior } => Some(f64::from(ior) / scene.media[0].ior),
         _ => None,
     };
     Radiance { colour: material.emission * share, coat }
+}
+
+/// Returns the mean of a picture's red channel.
+fn mean_red(picture: &Texture) -> f32 {
+    let sum: f64 = picture.pixels.iter().map(|texel| f64::from(texel.x)).sum();
+    (sum / picture.pixels.len().max(1) as f64) as f32
 }
 
 fn triangles(scene: &Scene, object: usize, mesh: &TriMesh, bright: f64, radiance: u32, emitters: &mut Vec<Emitter>) {

@@ -78,6 +78,12 @@ impl Scene {
                 check.index("the texture of diffuse", *texture, self.textures.len());
                 check.light("the scale of diffuse", *scale);
             }
+            Colour::Corners { texture, scale } => {
+                if let Some(texture) = texture {
+                    check.index("the texture of diffuse", *texture, self.textures.len());
+                }
+                check.light("the scale of diffuse", *scale);
+            }
             Colour::Checker { even, odd, size, offset } => {
                 check.share("the even colour of diffuse", *even);
                 check.share("the odd colour of diffuse", *odd);
@@ -90,6 +96,12 @@ impl Scene {
             Some(Colour::Constant(colour)) => check.light("glow", *colour),
             Some(Colour::Image { texture, scale }) => {
                 check.index("the texture of glow", *texture, self.textures.len());
+                check.light("the scale of glow", *scale);
+            }
+            Some(Colour::Corners { texture, scale }) => {
+                if let Some(texture) = texture {
+                    check.index("the texture of glow", *texture, self.textures.len());
+                }
                 check.light("the scale of glow", *scale);
             }
             Some(Colour::Checker { even, odd, size, offset }) => {
@@ -130,8 +142,11 @@ impl Scene {
                 check.split(rule, tint);
             }
             Interface::Coated { ior } => check.ior("ior", f64::from(ior)),
-            Interface::Alpha { opacity } => {
+            Interface::Alpha { opacity, mask } => {
                 check.that((0.0..=1.0).contains(&opacity), "opacity", opacity, "from 0 to 1");
+                if let Some(mask) = mask {
+                    check.index("mask", mask, self.textures.len());
+                }
             }
         }
     }
@@ -225,8 +240,8 @@ fn texture(check: &mut Check<'_>, texture: &Texture) {
     check.that(width > 0 && height > 0, "its size", format_args!("{width} by {height}"), "at least 1 by 1");
     let wanted = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
     check.length("pixels", pixels.len(), wanted);
-    if let Some(bad) = pixels.iter().find(|p| !within(**p, 0.0, f32::MAX)) {
-        check.light("a pixel", *bad);
+    if let Some(bad) = pixels.iter().find(|p| !within(*p, 0.0, f32::MAX)) {
+        check.light("a pixel", bad);
     }
 }
 
