@@ -22,6 +22,7 @@ use crate::{Error, Result};
 pub(super) fn run(job: &Map) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
+    backend::start_threads(&job.options)?;
     let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &job.options, &observer)?;
     if !job.quiet {
         warnings.log();
@@ -45,7 +46,6 @@ pub(super) fn run(job: &Map) -> Result<Verdict> {
     }
     [scene.settings.width, scene.settings.height] = [width, height];
     scene.settings.samples = job.samples.unwrap_or(scene.settings.samples);
-    backend::start_threads(&job.options)?;
     let chosen = backend::fit_for(&scene, job.backend, job.chosen, job.quiet)?;
     let traced = progress::follow(&observer, pixels, !job.quiet, || {
         backend::trace(&scene, chosen, BuildQuality::Default, &job.options, &observer, None)
