@@ -21,7 +21,7 @@ use crate::systems::maps::Proxy;
 pub const DISTANCES: [f32; 10] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0];
 
 /// Largest angles of the pieces of a virtual scene, in radians.
-pub const PIECES: [f64; 4] = [0.16, 0.08, 0.04, 0.02];
+pub const PIECES: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
 
 /// Bins of the angle of incidence, in degrees.
 const BIN: usize = 15;
