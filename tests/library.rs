@@ -90,7 +90,7 @@ fn every_bundled_scene_is_valid() {
 /// A valid scene with something of every kind.
 fn sound() -> Scene {
     let mut scene = Scene::default();
-    let texture = scene.add_texture(Texture { name: "t".into(), width: 2, height: 1, pixels: vec![Rgb::ONE; 2] });
+    let texture = scene.add_texture(Texture::new("t", 2, 1, vec![Rgb::ONE; 2]));
     let glass = scene.add_dielectric(Medium::new("glass", 1.5));
     let papered =
         Material { diffuse: Colour::Image { texture, scale: Rgb::ONE }, name: "paper".into(), ..Material::default() };
@@ -136,7 +136,10 @@ fn indices_beyond_their_lists_name_the_entry_and_the_list() {
 #[test]
 fn lists_that_do_not_fit_each_other_are_told() {
     assert!(matches!(only(|s| _ = s.objects.pop()).0, SceneError::Unpaired { shapes: 3, objects: 2 }));
-    assert!(matches!(only(|s| _ = s.textures[0].pixels.pop()).0, SceneError::Length { len: 1, wanted: 2, .. }));
+    assert!(matches!(
+        only(|s| s.textures[0].pixels = vec![Rgb::ONE].into()).0,
+        SceneError::Length { len: 1, wanted: 2, .. }
+    ));
     let mut scene = Scene::default();
     scene.media.clear();
     assert_eq!(scene.validate(), Err(SceneError::NoMedium));

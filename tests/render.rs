@@ -143,7 +143,7 @@ fn everything() -> Scene {
         Interface::Conductor { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) },
         Interface::ThinDielectric { ior: 1.5, rule: FresnelRule::Fresnel, tint: Rgb::new(0.9, 1.0, 0.9) },
         Interface::Coated { ior: 1.6 },
-        Interface::Alpha { opacity: 0.4 },
+        Interface::Alpha { opacity: 0.4, mask: None },
     ];
     plane(&mut scene, Vec3::new(0.0, -1.0, 0.0), Vec3::Y, floor);
     for (i, interface) in kinds.into_iter().enumerate() {
@@ -410,7 +410,7 @@ fn coats_panes_and_holes_divide_light_as_the_table_says() {
     let lit = Material { emission: Rgb::splat(0.5), ..bare(Interface::Opaque) };
     let cases = [
         (Interface::Coated { ior: 1.5 }, 0.04 + 0.96 * 0.5),
-        (Interface::Alpha { opacity: 0.25 }, 0.25 * 0.5 + 0.75),
+        (Interface::Alpha { opacity: 0.25, mask: None }, 0.25 * 0.5 + 0.75),
         (
             Interface::ThinDielectric { ior: 1.5, rule: FresnelRule::Fresnel, tint: Rgb::splat(0.5) },
             0.5 + 0.08 / 1.04 + (1.0 - 0.08 / 1.04) * 0.5,

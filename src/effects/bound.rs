@@ -170,11 +170,17 @@ fn shadow_rays(scene: &Scene, reach: &Reach, mut met: impl Iterator<Item = usize
     if !met.any(|o| answers_light(scene, o)) {
         return 0;
     }
-    let casting =
-        scene.lights.iter().zip(&reach.dark).filter(|(l, dark)| l.shadows && l.intensity != Rgb::ZERO && !**dark);
+    let casting = scene
+        .lights
+        .iter()
+        .zip(&reach.dark)
+        .filter(|(l, dark)| l.shadows && l.intensity != Rgb::ZERO && !**dark && !scene.is_sampled(l));
     // An area lamp has its sample points, and four corners for the shaft.
     let points = |l: &Light| if l.kind.is_extended() { scene.settings.lamps.count + 4 } else { 1 };
-    casting.map(|(l, _)| points(l)).sum()
+    let shining = scene.shining();
+    let kinds = u32::from(shining.emitters()) + u32::from(shining.sky);
+    let beside = if scene.settings.shine_shadows { kinds * scene.settings.lamps.count } else { 0 };
+    beside + casting.map(|(l, _)| points(l)).sum::<u32>()
 }
 
 /// Returns the largest number of consecutive surfaces that a ray may pass. A straight line crosses a sphere at most
@@ -291,7 +297,7 @@ fn kind(shape: &Shape) -> &'static str {
 fn weakest(scene: &Scene, sending: &[usize]) -> Option<(u32, f32)> {
     let share = |&o: &usize| match interface(scene, o) {
         Interface::Mirror { reflectance, .. } => reflectance.abs().max_element(),
-        Interface::Alpha { opacity } => (1.0 - opacity).abs(),
+        Interface::Alpha { opacity, mask: None } => (1.0 - opacity).abs(),
         _ => f32::INFINITY,
     };
     let most = sending.iter().map(share).fold(0.0, f32::max);
@@ -334,7 +340,7 @@ fn conserves(scene: &Scene, sending: &[usize]) -> bool {
         Interface::Dielectric { rule, tint, .. } | Interface::ThinDielectric { rule, tint, .. } => {
             within(*tint) && share(rule)
         }
-        Interface::Alpha { opacity } => (0.0..=1.0).contains(opacity),
+        Interface::Alpha { opacity, .. } => (0.0..=1.0).contains(opacity),
         Interface::Opaque | Interface::Conductor { .. } | Interface::Coated { .. } => true,
     })
 }

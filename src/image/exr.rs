@@ -11,6 +11,7 @@ use ::exr::prelude::{
 use super::encode::Clipped;
 use super::film::Film;
 use super::format::{Encoded, Format, cannot_hold};
+use super::samples::{Samples, Stored, code_of_share};
 use crate::Result;
 
 /// Encodes a film as three binary32 channels, compressed without loss, rows in order.
@@ -87,9 +88,8 @@ pub(super) fn size(bytes: &[u8]) -> std::result::Result<((u32, u32), u64), Strin
     Ok(((edge(largest.x()), edge(largest.y())), (4 * channels + 12 + 12) as u64))
 }
 
-/// Decodes the first layer's `R`, `G` and `B`, or its `Y` alone. Returns true beside it if an alpha channel was left
-/// out.
-pub(super) fn decode(bytes: &[u8]) -> std::result::Result<(Film, bool), String> {
+/// Decodes the first layer's `R`, `G` and `B`, or its `Y` alone, and its `A`.
+pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Stored, String> {
     let image = ::exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -116,8 +116,8 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<(Film, bool), String> 
     };
     let [r, g, b] = colours;
     let pixels = r.into_iter().zip(g).zip(b).map(|((r, g), b)| [r, g, b]).collect();
-    let alpha = channels.iter().any(|c| c.name.eq_case_insensitive("A"));
-    Ok((Film { width: width as u32, height: height as u32, pixels }, alpha))
+    let alpha = samples("A").map(|a| a.into_iter().map(code_of_share).collect());
+    Ok(Stored::new((width as u32, height as u32), Samples::Light(pixels), alpha))
 }
 
 #[cfg(test)]
@@ -137,6 +137,6 @@ mod tests {
         let name = |i: usize| format!("vitrum:{i}\0").into_bytes();
         let place = |i: usize| first.windows(9).position(|w| w == name(i)).unwrap();
         assert!((1..9).all(|i| place(i - 1) < place(i)));
-        assert_eq!(decode(&first).unwrap().0, film);
+        assert_eq!(decode(&first).unwrap().into_film(), film);
     }
 }

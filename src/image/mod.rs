@@ -1,5 +1,6 @@
 //! Pictures: the film, and reading, writing and comparing picture files.
 
+mod common;
 mod compare;
 mod encode;
 mod exr;
@@ -11,6 +12,7 @@ mod part;
 mod pfm;
 mod png;
 mod read;
+mod samples;
 mod save;
 mod ssim;
 mod write;
@@ -20,6 +22,7 @@ pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
 pub use file::{Encoding, encode};
 pub use film::{Film, MOST_PIXELS};
 pub use format::{Bits, Encoded, Format};
-pub use read::{Limits, Picture, ReadOptions, read};
+pub use read::{Limits, Picture, ReadOptions, decode_stored, read, read_stored};
+pub use samples::{Samples, Stored};
 pub use save::save;
 pub use write::{Destination, discard_unfinished, discard_unfinished_at_once};

@@ -5,6 +5,7 @@ use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRender
 use super::encode::{Clipped, linear_from_srgb};
 use super::film::Film;
 use super::format::{Bits, Encoded, Format, cannot_hold};
+use super::samples::{Samples, Stored, code_of_16, light_of_codes};
 use crate::Result;
 
 /// Encodes a film as RGB without alpha, marked as sRGB.
@@ -75,28 +76,33 @@ impl Header<'_> {
         u64::from(info.height) * (bits.div_ceil(8) + 1) / 1032
     }
 
-    /// Decodes the pixels to linear light. Returns true beside them if an alpha channel was left out.
-    pub fn decode(mut self, linear: bool) -> std::result::Result<(Film, bool), String> {
-        let (width, height) = self.size();
+    /// Decodes the pixels.
+    pub fn decode(mut self, linear: bool) -> std::result::Result<Stored, String> {
+        let size = self.size();
         let transfer = if linear { Transfer::Power(1.0) } else { Transfer::of(self.reader.info()) };
         let mut codes = vec![0; self.reader.output_buffer_size().ok_or("it is too large")?];
         let frame = self.reader.next_frame(&mut codes).map_err(|e| e.to_string())?;
         codes.truncate(frame.buffer_size());
         let channels = frame.color_type.samples();
-        let max = if frame.bit_depth == BitDepth::Sixteen { 65535_u16 } else { 255 };
-        let table: Vec<f32> = (0..=max).map(|code| transfer.linear(f64::from(code) / f64::from(max)) as f32).collect();
-        let light = |code: u16| table[usize::from(code)];
-        let colour = |code: &dyn Fn(usize) -> u16| {
-            if channels < 3 { [light(code(0)); 3] } else { [0, 1, 2].map(|i| light(code(i))) }
+        let colours = if channels < 3 { 1 } else { 3 };
+        if frame.bit_depth == BitDepth::Sixteen {
+            let light: Vec<f32> =
+                (0..=u16::MAX).map(|code| transfer.linear(f64::from(code) / 65_535.0) as f32).collect();
+            let pixels = codes.chunks_exact(2 * channels);
+            let code = |p: &[u8], i: usize| u16::from_be_bytes([p[2 * i], p[2 * i + 1]]);
+            let colour = |p: &[u8]| [0, 1, 2].map(|i| light[usize::from(code(p, i % colours))]);
+            let alpha = (channels % 2 == 0).then(|| pixels.clone().map(|p| code_of_16(code(p, colours))).collect());
+            return Ok(Stored::new(size, Samples::Light(pixels.map(colour).collect()), alpha));
+        }
+        let light = light_of_codes(|x| transfer.linear(x));
+        let pixels = codes.chunks_exact(channels);
+        let alpha = (channels % 2 == 0).then(|| pixels.clone().map(|p| p[colours]).collect());
+        let samples = match channels {
+            1 => Samples::Grey { codes, light },
+            2 => Samples::Grey { codes: pixels.map(|p| p[0]).collect(), light },
+            _ => Samples::Codes { codes: pixels.map(|p| [p[0], p[1], p[2]]).collect(), light },
         };
-        let pixels = match frame.bit_depth {
-            BitDepth::Sixteen => codes
-                .chunks_exact(2 * channels)
-                .map(|p| colour(&|i| u16::from_be_bytes([p[2 * i], p[2 * i + 1]])))
-                .collect(),
-            _ => codes.chunks_exact(channels).map(|p| colour(&|i| u16::from(p[i]))).collect(),
-        };
-        Ok((Film { width, height, pixels }, channels % 2 == 0))
+        Ok(Stored::new(size, samples, alpha))
     }
 }
 

@@ -1,13 +1,10 @@
 //! Reading of picture files, recognised by their first bytes.
 
-use std::io::Cursor;
 use std::path::Path;
 
-use ::image::{DynamicImage, ImageFormat, ImageReader};
-
-use super::encode::linear_from_srgb;
 use super::film::{Film, MOST_PIXELS};
-use super::{exr, pfm, png};
+use super::samples::Stored;
+use super::{common, exr, pfm, png};
 use crate::system::{files, memory};
 use crate::{Error, Result};
 
@@ -46,23 +43,47 @@ pub struct ReadOptions {
 pub struct Picture {
     /// Colours in linear light.
     pub film: Film,
-    /// True if an alpha channel was left out. Colours are not multiplied by it.
+    /// True if an alpha channel that is not opaque everywhere was left out. Colours are not multiplied by it.
     pub alpha_dropped: bool,
 }
 
-/// Reads PNG, OpenEXR, Radiance HDR, PFM or JPEG. PNG may have any depth; its codes are decoded by its sRGB or gAMA
-/// chunk, or as sRGB. Samples that are not finite are kept.
+/// Reads PNG, OpenEXR, Radiance HDR, PFM, JPEG, BMP, TGA, TIFF, GIF, WebP, PNM or QOI. PNG may have any depth; its codes
+/// are decoded by its sRGB or gAMA chunk, or as sRGB. Samples that are not finite are kept.
 ///
 /// # Errors
 /// - [`Error::Io`] if the file cannot be read.
 /// - [`Error::File`] if it is no such picture, damaged, or of size 0.
 /// - [`Error::Limit`] if it exceeds the limits of the options.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture> {
-    decode(&files::read(path, options.limits.bytes)?, path, options)
+    read_stored(path, options).map(Picture::from)
 }
 
+/// Reads a picture as [`read`] does, in the depth of its file and with its alpha channel.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_stored(path: &Path, options: &ReadOptions) -> Result<Stored> {
+    decode_stored(&files::read(path, options.limits.bytes)?, path, options)
+}
+
+impl From<Stored> for Picture {
+    fn from(stored: Stored) -> Self {
+        let alpha_dropped = stored.alpha.is_some();
+        Self { film: stored.into_film(), alpha_dropped }
+    }
+}
+
+/// Message for a file that is no picture.
+const UNKNOWN: &str =
+    "no picture of a kind that is read: PNG, JPEG, BMP, TGA, TIFF, GIF, WebP, PNM, QOI, OpenEXR, Radiance HDR, PFM";
+/// Message for an empty file.
+const EMPTY: &str = "no picture of a kind that is read: the file is empty";
+
 /// Decodes a file's bytes; errors name `path`.
-fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
+///
+/// # Errors
+/// As [`read`], but for those of reading the file.
+pub fn decode_stored(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Stored> {
     // Messages of decoders may have several lines; an error has one.
     let one_line = |e: String| e.split_whitespace().collect::<Vec<_>>().join(" ");
     let wrong = |kind: &'static str| move |e| Error::file(path, format!("not a readable {kind}: {}", one_line(e)));
@@ -76,7 +97,7 @@ fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
         memory::need(&what, (u64::from(width) * u64::from(height)).saturating_mul(each), "take a smaller picture")
     };
 
-    let (film, alpha_dropped) = match bytes {
+    let stored = match bytes {
         [0x89, b'P', b'N', b'G', ..] => {
             let header = png::header(bytes).map_err(wrong("PNG"))?;
             check(header.size(), header.bytes_a_pixel(), header.shortest())?;
@@ -90,23 +111,19 @@ fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture> {
         [b'P', b'F' | b'f', ..] => {
             let header = pfm::header(bytes).map_err(wrong("PFM"))?;
             check((header.width, header.height), FILM_BYTES, 0)?;
-            (pfm::decode(bytes, &header).map_err(wrong("PFM"))?, false)
+            pfm::decode(bytes, &header).map_err(wrong("PFM"))?.into()
         }
-        [b'#', b'?', ..] => {
-            let size = dimensions(bytes, ImageFormat::Hdr).map_err(wrong("Radiance HDR picture"))?;
-            // A row takes at least four bytes: one pixel, or the header of a packed row.
-            check(size, 2 * FILM_BYTES, 4 * u64::from(size.1))?;
-            (hdr(bytes, options.limits).map_err(wrong("Radiance HDR picture"))?, false)
+        _ => {
+            let Some((format, name)) = common::format_of(bytes) else {
+                let why = common::undecoded(bytes).unwrap_or(if bytes.is_empty() { EMPTY } else { UNKNOWN });
+                return Err(Error::file(path, why));
+            };
+            let size = common::dimensions(bytes, format).map_err(wrong(name))?;
+            check(size, common::bytes_a_pixel(format), common::shortest(format, size))?;
+            common::decode(bytes, format, options.limits, options.linear).map_err(wrong(name))?
         }
-        [0xff, 0xd8, ..] => {
-            let size = dimensions(bytes, ImageFormat::Jpeg).map_err(wrong("JPEG"))?;
-            // Codes, 16-bit coefficients, and planes of the three components.
-            check(size, FILM_BYTES + 3 + 6 + 6, 0)?;
-            (jpeg(bytes, options).map_err(wrong("JPEG"))?, false)
-        }
-        _ => return Err(Error::file(path, "no picture of a kind that is read: PNG, OpenEXR, Radiance HDR, PFM, JPEG")),
     };
-    Ok(Picture { film, alpha_dropped })
+    Ok(stored)
 }
 
 fn check_size(path: &Path, width: u32, height: u32, limits: Limits) -> Result<()> {
@@ -124,39 +141,9 @@ fn check_size(path: &Path, width: u32, height: u32, limits: Limits) -> Result<()
     Ok(())
 }
 
-fn dimensions(bytes: &[u8], format: ImageFormat) -> std::result::Result<(u32, u32), String> {
-    ImageReader::with_format(Cursor::new(bytes), format).into_dimensions().map_err(|e| e.to_string())
-}
-
-/// Decodes through `ImageReader`, the only interface of `image` that respects its limits.
-fn decode_by_image(bytes: &[u8], format: ImageFormat, limits: Limits) -> std::result::Result<DynamicImage, String> {
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut own = ::image::Limits::default();
-    own.max_image_width = Some(limits.edge);
-    own.max_image_height = Some(limits.edge);
-    own.max_alloc = Some(limits.pixels.saturating_mul(16));
-    reader.limits(own);
-    reader.decode().map_err(|e| e.to_string())
-}
-
-fn hdr(bytes: &[u8], limits: Limits) -> std::result::Result<Film, String> {
-    let picture = decode_by_image(bytes, ImageFormat::Hdr, limits)?.into_rgb32f();
-    Ok(Film { width: picture.width(), height: picture.height(), pixels: picture.pixels().map(|p| p.0).collect() })
-}
-
-fn jpeg(bytes: &[u8], options: &ReadOptions) -> std::result::Result<Film, String> {
-    let picture = decode_by_image(bytes, ImageFormat::Jpeg, options.limits)?.into_rgb8();
-    let table: Vec<f32> = (0..=255_u8)
-        .map(|code| f64::from(code) / 255.0)
-        .map(|x| if options.linear { x } else { linear_from_srgb(x) } as f32)
-        .collect();
-    let pixels = picture.pixels().map(|p| p.0.map(|code| table[usize::from(code)])).collect();
-    Ok(Film { width: picture.width(), height: picture.height(), pixels })
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{Bits, Encoding, Format, encode};
+    use super::super::{Bits, Encoding, Format, encode, linear_from_srgb};
     use super::*;
 
     /// Returns a film of 11 by 3 pixels with every kind of number.
@@ -308,7 +295,7 @@ mod tests {
         for format in [Format::Png, Format::Exr, Format::Hdr, Format::Pfm] {
             let whole = bytes(&film(), format, Bits::Sixteen);
             for end in 0..whole.len() {
-                let cut = decode(&whole[..end], Path::new("cut"), &ReadOptions::default());
+                let cut = decode_stored(&whole[..end], Path::new("cut"), &ReadOptions::default());
                 // A PNG is readable without its end chunk, and without the checksum of its deflate stream.
                 assert!(cut.is_err() || format == Format::Png, "{format:?} cut at {end} of {}", whole.len());
             }
@@ -317,7 +304,7 @@ mod tests {
                 for flip in [0x01, 0x80, 0xff] {
                     let mut damaged = whole.clone();
                     damaged[at] ^= flip;
-                    let _ = decode(&damaged, Path::new("damaged"), &ReadOptions { limits, linear: false });
+                    let _ = decode_stored(&damaged, Path::new("damaged"), &ReadOptions { limits, linear: false });
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Assembly of a scene from the parts of its file.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -8,15 +8,16 @@ use glam::DVec3;
 use super::draft::Draft;
 use super::extent::Extent;
 use super::origin::{self, Frame, Loss};
+use super::pictures::Pictures;
 use super::report::{Hull, Reporter};
-use super::smooth::smooth;
+use super::smooth::{Rule, smooth};
 use super::source::Root;
 use super::transform::flip;
 use super::winding::{InsideOut, inside_out};
-use super::{LoadOptions, Loaded, texture};
+use super::{LoadOptions, Loaded};
 use crate::geometry::topology::{self, Edges, weld};
 use crate::geometry::{Geometry, Shape};
-use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Rgb, Scene};
+use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Scene};
 use crate::system::memory;
 use crate::{Error, Result};
 
@@ -29,9 +30,7 @@ pub(super) struct Assembly<'a> {
     pub(super) reporter: Reporter,
     pub(super) options: &'a LoadOptions,
     pub(super) root: Root,
-    /// Pictures read so far, by path.
-    pictures: HashMap<PathBuf, u32>,
-    picture_bytes: u64,
+    pub(super) pictures: Pictures,
     triangles: u64,
     /// Objects whose dielectric mesh is inside out on its own.
     inside_out: Vec<(usize, InsideOut)>,
@@ -60,13 +59,14 @@ impl<'a> Assembly<'a> {
         // Checked first, so that an error for a missing scene names the scene and not its folder.
         std::fs::metadata(path).map_err(|e| Error::io(path, "read", e))?;
         let folder = options.root.as_deref().unwrap_or_else(|| super::source::folder_of(path));
+        let mut root = Root::new(folder)?;
+        options.allow_outside.iter().try_for_each(|folder| root.allow(folder))?;
         Ok(Self {
             scene: Scene { media: vec![Medium::air()], ..Scene::default() },
             reporter: Reporter::new(options.strict),
             options,
-            root: Root::new(folder)?,
-            pictures: HashMap::new(),
-            picture_bytes: 0,
+            root,
+            pictures: Pictures::default(),
             triangles: 0,
             inside_out: Vec::new(),
             pending: Vec::new(),
@@ -90,29 +90,6 @@ impl<'a> Assembly<'a> {
         }
         self.scene.materials.push(material);
         Ok(self.scene.materials.len() as u32 - 1)
-    }
-
-    /// Reads a picture once and returns its index.
-    pub(super) fn picture(&mut self, path: &Path) -> Result<u32> {
-        if let Some(&place) = self.pictures.get(path) {
-            return Ok(place);
-        }
-        let mut limits = self.options.limits;
-        limits.texture_bytes = limits.texture_bytes.saturating_sub(self.picture_bytes);
-        let reading = texture::read(path, &limits)?;
-        let pixels = reading.texture.pixels.len() as u64;
-        self.picture_bytes += pixels * size_of::<Rgb>() as u64;
-        if reading.repaired > 0 {
-            let kind = "pixels that are not finite or below zero count as black in those channels";
-            self.reporter.warn(path, 0, kind, || format!(" ({} of {pixels})", reading.repaired))?;
-        }
-        if reading.alpha_dropped {
-            self.reporter.warn(path, 0, "the picture's alpha channel is left out", String::new)?;
-        }
-        let place = self.scene.textures.len() as u32;
-        self.scene.textures.push(reading.texture);
-        self.pictures.insert(path.to_owned(), place);
-        Ok(place)
     }
 
     /// Reserves `count` more triangles.
@@ -163,6 +140,9 @@ impl<'a> Assembly<'a> {
         let bulks: Vec<Extent> = shapes.iter().map(|s| s.draft.bulk()).collect();
         let frame = Frame { origin: origin::choose(&extents, &bulks), unit_exponent };
         (self.scene.origin, self.scene.unit_exponent) = (frame.origin, unit_exponent);
+        if unit_exponent != 0 {
+            self.scene.media.iter_mut().for_each(|m| m.absorption *= frame.unit() as f32);
+        }
         self.warn_of_losses(&shapes, &bulks, frame)?;
         for &(material, corner, size) in &self.checkers {
             if let Some(Colour::Checker { offset, .. }) = self.scene.materials.get_mut(material).map(|m| &mut m.diffuse)
@@ -171,11 +151,16 @@ impl<'a> Assembly<'a> {
                 *offset = frame.checker_corner(corner, size).as_vec3();
             }
         }
-        for Pending { name, draft, material, origin, smooth: crease, flip: flipped } in shapes {
+        for Pending { name, mut draft, material, origin, smooth: crease, flip: flipped } in shapes {
+            let groups =
+                if let Draft::Mesh(mesh) = &mut draft { std::mem::take(&mut mesh.smoothing) } else { Vec::new() };
             let mut shape = draft.settle(frame);
             if let Shape::Mesh(mesh) = &mut shape {
-                if let (Some(crease), true) = (crease, mesh.normals.is_empty()) {
-                    smooth(mesh, crease)?;
+                match crease {
+                    _ if !mesh.normals.is_empty() => {}
+                    Some(crease) => smooth(mesh, Rule::Crease(crease))?,
+                    None if !groups.is_empty() => smooth(mesh, Rule::Groups(&groups))?,
+                    None => {}
                 }
                 if flipped {
                     flip(mesh);

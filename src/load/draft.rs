@@ -23,6 +23,8 @@ pub(super) struct MeshDraft {
     pub corners: Vec<DVec3>,
     /// All other data; no positions yet.
     pub mesh: TriMesh,
+    /// Smoothing group of each triangle, 0 for none; empty if there is none, and if the mesh has normals.
+    pub smoothing: Vec<u32>,
 }
 
 impl MeshDraft {
@@ -65,7 +67,7 @@ impl MeshDraft {
 impl From<TriMesh> for MeshDraft {
     fn from(mut mesh: TriMesh) -> Self {
         let corners = std::mem::take(&mut mesh.positions).into_iter().map(|p| p.as_dvec3()).collect();
-        Self { corners, mesh }
+        Self { corners, mesh, smoothing: Vec::new() }
     }
 }
 

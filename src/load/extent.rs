@@ -24,6 +24,12 @@ impl Extent {
         places.filter(|&p| within(p, WIDEST)).fold(Self::EMPTY, |b, p| Self { lo: b.lo.min(p), hi: b.hi.max(p) })
     }
 
+    /// Returns the box around this one and a finite position.
+    #[inline]
+    pub(super) fn with(self, p: DVec3) -> Self {
+        Self { lo: self.lo.min(p), hi: self.hi.max(p) }
+    }
+
     pub(super) fn union(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }

@@ -7,12 +7,14 @@ use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
 use super::extent::WIDEST;
+use super::extras::{Lamp, LampKind, View};
 use super::format::Format;
+use super::origin::Frame;
 use super::request::Request;
 use super::transform::Transform;
 use super::{LoadOptions, Loaded};
 use crate::geometry::{Aabb, Shape};
-use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb};
+use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb, Scene};
 use crate::{Error, Result};
 
 /// Full vertical angle of view, in degrees.
@@ -26,27 +28,30 @@ pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result
     let request = Request {
         name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         material: None,
+        replace: &[],
         smooth: None,
         flip: false,
         transform: Transform::IDENTITY,
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
-    format.load(path, &request, &mut assembly)?;
-    assembly.settle(None)?;
-    let bounds = assembly.scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
-        Shape::Mesh(mesh) => b.union(mesh.bounds()),
-        Shape::Sphere(sphere) => b.union(sphere.bounds()),
-        Shape::Plane(_) => b,
-    });
-    assembly.scene.camera = fitted(&bounds);
-    assembly.scene.lights = lights();
+    let extras = format.load(path, &request, &mut assembly)?;
+    let frame = assembly.settle(None)?;
+    let bounds = bounds(&assembly.scene);
+    assembly.scene.camera = match &extras.view {
+        Some(view) => placed(view, frame, &bounds),
+        None => fitted(&bounds),
+    };
+    let own = extras.lamps.iter().map(|lamp| light(lamp, frame)).collect::<Vec<_>>();
+    let camera = if extras.view.is_some() { "the model's camera" } else { "a camera fitted to the model" };
+    let lit = if own.is_empty() { "a key light, two weak ones that leave no side black" } else { "the model's lights" };
+    assembly.scene.lights = if own.is_empty() { lights(assembly.scene.camera.eye) } else { own };
     assembly.scene.environment = Environment::Gradient {
         nadir: Rgb::splat(0.2),
         horizon: Rgb::new(0.8, 0.85, 0.9),
         zenith: Rgb::new(0.3, 0.45, 0.75),
     };
-    assembly.reporter.default_used("a camera fitted to the model, a key and a fill light, and a sky");
+    assembly.reporter.default_used(format!("{camera}, {lit}, and a sky"));
     Ok(assembly.finish())
 }
 
@@ -69,15 +74,118 @@ fn fitted(bounds: &Aabb) -> Camera {
     }
 }
 
-/// Returns a key light over the camera's left shoulder, and a weak light without shadows from the other side so that no
-/// side is black. The key light shows a facing white surface as white.
-fn lights() -> Vec<Light> {
-    let light = |name: &str, direction: Vec3, strength: f32, shadows| Light {
+/// Returns the camera of the model's file, whose target is as far as the middle of the model.
+fn placed(view: &View, frame: Frame, bounds: &Aabb) -> Camera {
+    let eye = frame.local(view.eye);
+    let centre = (bounds.lo.as_dvec3() + bounds.hi.as_dvec3()) * 0.5;
+    let distance = (centre - eye).length();
+    // Far enough for the digits of `f32` to hold the direction.
+    let least = eye.abs().max_element().max(f64::MIN_POSITIVE) * 1e-2;
+    let distance = if distance.is_finite() { distance.max(least) } else { least.max(1.0) };
+    let projection = match view.projection {
+        Projection::Orthographic { height } => Projection::Orthographic { height: height / frame.unit() as f32 },
+        other => other,
+    };
+    let target = (eye + view.forward * distance).as_vec3();
+    Camera { eye: eye.as_vec3(), target, up: view.up, projection, medium: None }
+}
+
+/// Returns a light of the model's file, in the scene's unit.
+fn light(lamp: &Lamp, frame: Frame) -> Light {
+    let local = |place| frame.local(place).as_vec3();
+    let kind = match lamp.kind {
+        LampKind::Distant { direction } => LightKind::Directional { direction },
+        LampKind::Point { place } => LightKind::Point { position: local(place) },
+        LampKind::Spot { place, direction, cos_inner, cos_outer } => {
+            LightKind::Spot { position: local(place), direction, cos_inner, cos_outer }
+        }
+    };
+    // A radiant intensity gives an irradiance per square of the unit.
+    let unit = if matches!(kind, LightKind::Directional { .. }) { 1.0 } else { frame.unit() as f32 };
+    let intensity = lamp.intensity / (unit * unit);
+    Light { name: lamp.name.clone(), kind, intensity, falloff: Falloff::InverseSquare, shadows: true }
+}
+
+/// Direction of the key light: over the camera's left shoulder.
+const KEY: DVec3 = DVec3::new(0.6, -1.0, -0.7);
+
+/// Returns a key light, and two weak ones without shadows so that no side is black: one at the eye, which reaches all that
+/// is seen, and one opposite to the key light for sides that only mirrors and glass show. Key and eye light show a facing
+/// white surface as white.
+fn lights(eye: Vec3) -> Vec<Light> {
+    let far = |name: &str, direction: DVec3, strength: f32, shadows| Light {
         name: name.to_owned(),
-        kind: LightKind::Directional { direction: direction.normalize() },
+        kind: LightKind::Directional { direction: direction.normalize().as_vec3() },
         intensity: Rgb::splat(strength * PI),
         falloff: Falloff::InverseSquare,
         shadows,
     };
-    vec![light("key", Vec3::new(0.6, -1.0, -0.7), 0.8, true), light("fill", Vec3::new(-1.0, -0.4, -0.3), 0.2, false)]
+    let at_eye = Light {
+        name: String::from("fill"),
+        kind: LightKind::Point { position: eye },
+        intensity: Rgb::splat(0.2),
+        falloff: Falloff::None,
+        shadows: false,
+    };
+    vec![far("key", KEY, 0.8, true), at_eye, far("back", -KEY, 0.15, false)]
+}
+
+/// Share of the whole extent above which a triangle is wide.
+const WIDE: f32 = 0.25;
+/// Number of triangles that are examined to find most of the model.
+const SAMPLE: usize = 4096;
+
+/// Returns the box that the camera shows: that of all triangles, without wide ones, such as a ground plane, and without few
+/// distant ones, where either makes it more than four times as large.
+fn bounds(scene: &Scene) -> Aabb {
+    let shapes = scene.geometry.iter().map(|g| &g.shape);
+    let mut boxes: Vec<Aabb> = Vec::new();
+    for shape in shapes {
+        match shape {
+            Shape::Mesh(mesh) => {
+                let usable = (0..mesh.triangles.len()).filter(|&i| mesh.is_usable(i));
+                boxes.extend(usable.map(|i| Aabb::of(&mesh.corners(i))));
+            }
+            Shape::Sphere(sphere) => boxes.push(sphere.bounds()),
+            Shape::Plane(_) => {}
+        }
+    }
+    let around = |boxes: &[Aabb]| boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b));
+    let size = |b: &Aabb| (b.hi - b.lo).max_element();
+    // A plane around a plane takes another round.
+    for _ in 0..4 {
+        let all = size(&around(&boxes));
+        let limit = all * WIDE;
+        let narrow: Vec<Aabb> = boxes.iter().copied().filter(|b| size(b) <= limit).collect();
+        let near = most(&narrow);
+        let kept = [narrow, near].into_iter().find(|kept| {
+            let extent = size(&around(kept));
+            !kept.is_empty() && extent <= limit && extent > 0.0
+        });
+        match kept {
+            Some(kept) => boxes = kept,
+            None => break,
+        }
+    }
+    around(&boxes)
+}
+
+/// Returns the boxes near most of them: within the range of 19 of 20 along each axis, widened by its size.
+fn most(boxes: &[Aabb]) -> Vec<Aabb> {
+    let centre = |b: &Aabb| b.lo * 0.5 + b.hi * 0.5;
+    let sample: Vec<Vec3> = boxes.iter().step_by(boxes.len() / SAMPLE + 1).map(centre).collect();
+    let stray = sample.len() / 40;
+    let range = |axis: usize| {
+        let mut along: Vec<f32> = sample.iter().map(|p| p[axis]).collect();
+        along.sort_unstable_by(f32::total_cmp);
+        (along[stray], along[along.len() - 1 - stray])
+    };
+    if sample.is_empty() {
+        return Vec::new();
+    }
+    let (lo, hi): (Vec<f32>, Vec<f32>) = (0..3).map(range).unzip();
+    let (lo, hi) = (Vec3::from_slice(&lo), Vec3::from_slice(&hi));
+    let margin = Vec3::splat((hi - lo).max_element());
+    let near = |b: &&Aabb| (centre(b).cmpge(lo - margin) & centre(b).cmple(hi + margin)).all();
+    boxes.iter().filter(near).copied().collect()
 }

@@ -102,9 +102,24 @@ impl Reporter {
     /// # Errors
     /// Returns the warning itself if `strict`.
     pub(super) fn warn(&mut self, file: &Path, line: usize, kind: &str, detail: impl FnOnce() -> String) -> Result<()> {
+        self.warn_times(file, line, kind, 1, detail)
+    }
+
+    /// Records a warning that occurred `count` times, first at `line`.
+    ///
+    /// # Errors
+    /// As [`Self::warn`].
+    pub(super) fn warn_times(
+        &mut self,
+        file: &Path,
+        line: usize,
+        kind: &str,
+        count: u64,
+        detail: impl FnOnce() -> String,
+    ) -> Result<()> {
         let known = self.places.get(file).and_then(|kinds| kinds.get(kind));
         if let Some(&place) = known {
-            self.report.warnings[place].count += 1;
+            self.report.warnings[place].count += count;
             return Ok(());
         }
         let message = brief(kind.to_owned() + &detail());
@@ -112,15 +127,21 @@ impl Reporter {
             return Err(if line > 0 { Error::at(file, line, message) } else { Error::file(file, message) });
         }
         if self.report.warnings.len() > DISTINCT_WARNINGS {
-            self.report.warnings[DISTINCT_WARNINGS].count += 1;
+            self.report.warnings[DISTINCT_WARNINGS].count += count;
             return Ok(());
         }
         let place = self.report.warnings.len();
         let message =
             if place == DISTINCT_WARNINGS { String::from("further warnings are only counted") } else { message };
-        self.report.warnings.push(Warning { file: file.to_owned(), line, message, count: 1 });
+        self.report.warnings.push(Warning { file: file.to_owned(), line, message, count });
         self.places.entry(file.to_owned()).or_default().insert(kind.to_owned(), place);
         Ok(())
+    }
+
+    /// Returns the first warnings so far about `file`, as text.
+    pub(super) fn first_warnings(&self, file: &Path, most: usize) -> Vec<String> {
+        let of_file = self.report.warnings.iter().filter(|w| w.file == file);
+        of_file.take(most).map(ToString::to_string).collect()
     }
 
     /// Returns the reason for which most faces were left out.

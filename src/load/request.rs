@@ -14,7 +14,10 @@ pub(super) struct Request<'a> {
     pub name: String,
     /// Material of the whole model; by default its own materials.
     pub material: Option<u32>,
-    /// Largest angle in degrees between faces without normals that are shaded smoothly; `None` for flat shading.
+    /// Materials of the scene in place of some of the model, by their names there.
+    pub replace: &'a [(String, u32)],
+    /// Largest angle in degrees between faces without normals that are shaded smoothly; `None` for the smoothing groups
+    /// of the file.
     pub smooth: Option<f64>,
     /// Turns the model inside out.
     pub flip: bool,

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::lookup::{Edge, bilinear, checker_is_even};
+use super::lookup::{checker_is_even, on_surface};
 use super::queue::Rgb8;
 use super::shading::Shading;
 use super::surface::Surface8;
@@ -75,7 +75,11 @@ fn gather<const TEXTURED: bool, const SHINY: bool, const GLOWING: bool>(
             base.diffuse.set_lane(k, diffuse);
             base.lit |= diffuse != Vec3::ZERO;
             if GLOWING {
-                let sent = material.emission + material.ambient * scene.ambient;
+                let emission = match &material.glow {
+                    Some(glow) if TEXTURED => colour::<TEXTURED>(scene, glow, surface, k),
+                    _ => material.emission,
+                };
+                let sent = emission + material.ambient * scene.ambient;
                 glow.set_lane(k, sent);
                 glowing |= u8::from(sent != Vec3::ZERO) << k;
             }
@@ -101,11 +105,15 @@ fn colour<const TEXTURED: bool>(scene: &Scene, colour: &Colour, surface: &Surfac
     match colour {
         Colour::Constant(c) => *c,
         Colour::Image { texture, scale } if TEXTURED => {
-            bilinear(&scene.textures[*texture as usize], surface.uv(scene, k), Edge::Repeat) * *scale
+            on_surface(&scene.textures[*texture as usize], surface.uv(scene, k)) * *scale
+        }
+        Colour::Corners { texture, scale } if TEXTURED => {
+            let picture = texture.map(|t| on_surface(&scene.textures[t as usize], surface.uv(scene, k)));
+            surface.corner_colour(scene, k) * picture.unwrap_or(Vec3::ONE) * *scale
         }
         Colour::Checker { even, odd, size, offset } if TEXTURED => {
             if checker_is_even(surface.point.lane(k), *size, *offset) { *even } else { *odd }
         }
-        Colour::Image { .. } | Colour::Checker { .. } => Vec3::ZERO,
+        Colour::Image { .. } | Colour::Corners { .. } | Colour::Checker { .. } => Vec3::ZERO,
     }
 }

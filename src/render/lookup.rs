@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::scene::{Rgb, Texture};
+use crate::scene::{Rgb, Texture, Wrap};
 
 /// Returns the texture coordinates of a unit direction in an equirectangular picture. The picture is turned by
 /// `rotation` radians about +y: `u = 1/2 + (atan2(x, -z) - rotation) / 2 pi`, `v = 1 - acos(y) / pi`.
@@ -45,10 +45,21 @@ pub fn bilinear(picture: &Texture, uv: Vec2, vertical: Edge) -> Rgb {
             Edge::Repeat => y.rem_euclid(h),
             Edge::Clamp => y.clamp(0, h - 1),
         };
-        picture.pixels[(y * w + x.rem_euclid(w)) as usize]
+        picture.pixels.get((y * w + x.rem_euclid(w)) as usize)
     };
     let row = |y: i64| texel(x, y).lerp(texel(x + 1, y), fx);
     row(y).lerp(row(y + 1), fy)
+}
+
+/// Returns the colour of `picture` on a surface at `uv`, continued as its `wrap` says.
+#[inline]
+#[must_use]
+pub fn on_surface(picture: &Texture, uv: Vec2) -> Rgb {
+    if picture.wrap == [Wrap::Repeat; 2] {
+        bilinear(picture, uv, Edge::Repeat)
+    } else {
+        picture.on_surface(f64::from(uv.x), f64::from(uv.y)).as_vec3()
+    }
 }
 
 /// Returns true if a point lies in an even cube of a checker.
@@ -67,7 +78,7 @@ mod tests {
 
     fn two_by_two() -> Texture {
         let pixels = vec![Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE];
-        Texture { name: String::new(), width: 2, height: 2, pixels }
+        Texture::new("", 2, 2, pixels)
     }
 
     #[test]

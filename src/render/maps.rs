@@ -138,6 +138,6 @@ fn axes(camera: &Camera) -> Mat3 {
 }
 
 fn texture(name: &str, film: Film) -> Texture {
-    let pixels = film.pixels.into_iter().map(Vec3::from).collect();
-    Texture { name: name.into(), width: film.width, height: film.height, pixels }
+    let pixels = film.pixels.into_iter().map(Vec3::from).collect::<Vec<_>>();
+    Texture::new(name, film.width, film.height, pixels)
 }

@@ -35,8 +35,10 @@ mod planar;
 mod queue;
 pub mod record;
 pub mod reference;
+mod relief;
 mod shading;
 mod shadow;
+mod shine;
 mod shortfall;
 mod sky;
 mod soft;
@@ -73,6 +75,7 @@ use glam::Vec3;
 
 use crate::accel::{Coherence, Intersector, Shafts};
 use crate::effects::{self, Effect, Reach};
+use crate::error::{Error, Result, Unsupported};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray, Ray8};
 use crate::image::Film;
@@ -80,12 +83,12 @@ use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
-use crate::{Error, Result};
 use bodies::Bodies8;
 use images::{Virtual, VirtualRays};
 use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
+use shine::Shine;
 use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
@@ -257,6 +260,8 @@ struct SceneFacts<'a> {
     eye: Vec<u32>,
     /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
+    /// Sources beside lamps that light surfaces.
+    shine: Shine,
     /// Planar mirrors, where a camera is mirrored in them.
     mirrors: Option<Mirrors>,
     /// Maps that reflectors show, if any are asked for.
@@ -288,6 +293,7 @@ impl<'a> SceneFacts<'a> {
             touching,
             eye,
             shafts: None,
+            shine: Shine::of(scene),
             mirrors,
             maps: None,
             flats,
@@ -353,6 +359,7 @@ fn render_tiles<I: Intersector>(
     let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         worker.shading.shafts = facts.shafts.as_ref();
+        worker.shading.shine = Some(&facts.shine);
         if let Some(mirrors) = &facts.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
@@ -396,7 +403,7 @@ fn render_tiles<I: Intersector>(
 ///
 /// # Errors
 /// - [`Error::Interrupted`] if the observer requests a stop.
-/// - [`Error::Usage`] if rays carry polarisation or budgets.
+/// - [`Error::Unsupported`] if rays carry polarisation or budgets.
 pub fn recorded<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -408,12 +415,10 @@ pub fn recorded<I: Intersector>(
     let facts = SceneFacts::of(scene, accel, options);
     let (stages, media) = (facts.stages(scene, options), facts.media());
     if stages.carries {
-        return Err(Error::Usage(String::from(
-            "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
-             take another --fresnel, or leave out --cutoff-error",
-        )));
+        return Err(Unsupported::RecordOfCarried.into());
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
+    worker.shading.shine = Some(&facts.shine);
     worker.shading.flats = facts.flats.as_ref();
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;

@@ -14,6 +14,7 @@ use super::outcome::{RayCounts, RayKind, StreamCounts};
 use super::passes::Passes;
 use super::pattern::LampPoints;
 use super::queue::{Chunk, Queue, Rgb8, Spawn8};
+use super::shine::Shine;
 use super::split::mirrored::{self, ReflectStage};
 use super::stages::Stages;
 use super::surface::{HitRef, Surface8};
@@ -91,6 +92,8 @@ pub struct Shading<'a> {
     pub points: LampPoints,
     /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     pub shafts: Option<&'a Shafts<'a>>,
+    /// Sources beside lamps that light surfaces.
+    pub shine: Option<&'a Shine>,
     /// Cameras mirrored in planar mirrors, and the rays that they still have to trace. Empty if none are requested.
     pub passes: Passes<'a>,
     /// Maps that reflectors show, the stand-in for their surroundings, and reflections that were traced instead.
@@ -149,6 +152,7 @@ impl<'a> Shading<'a> {
             shadows: Queue::new(stages.carries),
             points: LampPoints::new(&scene.settings.lamps),
             shafts: None,
+            shine: None,
             passes: Passes::default(),
             maps: None,
             flats: None,

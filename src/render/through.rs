@@ -137,7 +137,7 @@ fn passed<O: Optics, const TOUCHING: bool>(
                     fixed.set_lane(k, share);
                 }
             }
-            Interface::Alpha { opacity } => tint.set_lane(k, Rgb::splat(1.0 - opacity)),
+            Interface::Alpha { .. } => tint.set_lane(k, Rgb::splat(1.0 - surface.opacity(shading.scene, k))),
             Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
                 tint.set_lane(k, Rgb::ZERO);
             }

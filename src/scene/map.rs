@@ -80,7 +80,7 @@ impl MapKind {
     #[must_use]
     pub fn look_up(self, map: &Texture, dir: Vec3) -> Rgb {
         let size = map.height as f32;
-        let texel = |i: i64, j: i64| map.pixels[(j * i64::from(map.width) + i) as usize];
+        let texel = |i: i64, j: i64| map.pixels.get((j * i64::from(map.width) + i) as usize);
         match self {
             Self::Cube => {
                 let n = i64::from(map.height);
@@ -189,7 +189,7 @@ mod tests {
     fn of_directions(kind: MapKind, size: u32) -> Texture {
         let [width, height] = kind.shape(size);
         let at = |p: u32| kind.direction(f64::from(p % width) + 0.5, f64::from(p / width) + 0.5, size).as_vec3();
-        Texture { name: String::new(), width, height, pixels: (0..width * height).map(at).collect() }
+        Texture::new("", width, height, (0..width * height).map(at).collect::<Vec<_>>())
     }
 
     fn directions() -> impl Iterator<Item = Vec3> {

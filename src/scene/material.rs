@@ -39,8 +39,12 @@ pub struct Material {
     pub diffuse: Colour,
     /// Highlight of each light around its mirror direction.
     pub highlight: Option<Highlight>,
-    /// Emitted radiance; visible, but not a light source.
+    /// Emitted radiance. It lights other surfaces where the setting [`super::LightsFrom`] says so.
     pub emission: Rgb,
+    /// Emission that varies over the surface; `emission` is then its mean.
+    pub glow: Option<Colour>,
+    /// Picture of normals, for meshes with texture coordinates.
+    pub relief: Option<Relief>,
     /// Interaction with the arriving ray.
     pub interface: Interface,
 }
@@ -54,6 +58,8 @@ impl Default for Material {
             diffuse: Colour::Constant(Rgb::splat(0.5)),
             highlight: None,
             emission: Rgb::ZERO,
+            glow: None,
+            relief: None,
             interface: Interface::Opaque,
         }
     }
@@ -90,7 +96,7 @@ impl Material {
     pub fn is_transmissive(&self) -> bool {
         match self.interface {
             Interface::Dielectric { .. } | Interface::ThinDielectric { .. } => true,
-            Interface::Alpha { opacity } => opacity < 1.0,
+            Interface::Alpha { opacity, mask } => opacity < 1.0 || mask.is_some(),
             Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
                 false
             }
@@ -112,6 +118,13 @@ pub enum Colour {
         /// Factor on the picture's colours.
         scale: Rgb,
     },
+    /// Colours at the corners of a mesh, interpolated and multiplied by `scale`; white on other shapes.
+    Corners {
+        /// Picture that multiplies the colours, as an index into `Scene::textures`.
+        texture: Option<u32>,
+        /// Factor on the colours.
+        scale: Rgb,
+    },
     /// Cubes of two colours by position: `even` where the sum of `floor((p - offset) / size)` over the three axes is
     /// even. A surface that lies exactly on a cube face needs an offset of half a cube along its normal.
     Checker {
@@ -124,6 +137,16 @@ pub enum Colour {
         /// Corner where eight cubes meet, in scene units.
         offset: Vec3,
     },
+}
+
+/// Normals in a picture, which replace the normals that shade a mesh. A channel `c` stands for `2 c - 1`: red along the
+/// direction in which `u` grows on the surface, green along that of `v`, blue along the normal of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    /// Index into `Scene::textures`, looked up as by [`Colour::Image`].
+    pub texture: u32,
+    /// Factor on red and green.
+    pub strength: f32,
 }
 
 /// Highlight of a light.
@@ -192,6 +215,8 @@ pub enum Interface {
     Alpha {
         /// Share covered, 0..=1.
         opacity: f32,
+        /// Picture whose red channel, 0..=1, multiplies the share: an index into `Scene::textures`.
+        mask: Option<u32>,
     },
 }
 

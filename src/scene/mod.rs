@@ -10,6 +10,8 @@ pub mod map;
 mod material;
 pub mod ranges;
 mod settings;
+mod shine;
+mod texels;
 mod texture;
 mod validate;
 
@@ -19,10 +21,12 @@ pub use dispersion::Dispersion;
 pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind, Spread};
 pub use map::MapKind;
-pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
-pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
-pub use texture::{Beyond, Texture};
-pub use validate::{Part, Place, SceneError};
+pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Relief};
+pub use settings::{LampChoice, LampSampling, LightsFrom, Pattern, Settings, ShadowRule};
+pub use shine::Shining;
+pub use texels::Texels;
+pub use texture::{Beyond, Texture, Wrap};
+pub use validate::{Part, SceneEntry, SceneError};
 
 use glam::DVec3;
 
@@ -113,7 +117,7 @@ impl Scene {
 
     /// Returns the bytes of the lists that grow with models and pictures.
     fn bytes(&self) -> u64 {
-        let pictures: usize = self.textures.iter().map(|t| size_of_val(t.pixels.as_slice())).sum();
+        let pictures: usize = self.textures.iter().map(|t| t.pixels.bytes()).sum();
         let lines: usize = self.objects.iter().map(|o| size_of_val(o.origin.triangle_lines.as_slice())).sum();
         let meshes =
             self.geometry.iter().filter_map(|g| if let Shape::Mesh(mesh) = &g.shape { Some(mesh) } else { None });

@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-use super::Rgb;
+use super::Texels;
 
 /// Picture in linear colour; its first row is at the top (texture coordinate v = 1).
 ///
 /// All renderers look it up in the same way. The texel in column `i` and row `j` is centred at `u = (i + 0.5) / width`,
 /// `v = 1 - (j + 0.5) / height`. Between centres colours are interpolated bilinearly, along rows first. Surfaces repeat
-/// the picture in both directions. An equirectangular environment repeats it in u and extends its first and last row
-/// ([`Beyond`]).
+/// the picture in both directions, or continue it as [`Wrap`] says. An equirectangular environment repeats it in u and
+/// extends its first and last row ([`Beyond`]).
 #[derive(Clone, Debug, Default)]
 pub struct Texture {
     /// File as named in messages.
@@ -19,7 +19,33 @@ pub struct Texture {
     /// Rows, at least 1.
     pub height: u32,
     /// Linear colours, row by row.
-    pub pixels: Vec<Rgb>,
+    pub pixels: Texels,
+    /// Continuation on surfaces, along u and along v.
+    pub wrap: [Wrap; 2],
+}
+
+/// Continuation of a picture on surfaces beyond texture coordinates of 0 and 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// Repeats the picture.
+    #[default]
+    Repeat,
+    /// Extends the outermost texels.
+    Clamp,
+    /// Repeats the picture, every other time mirrored.
+    Mirror,
+}
+
+impl Wrap {
+    /// Returns the coordinate in 0..=1 that stands for `t` under [`Self::Clamp`] and [`Self::Mirror`].
+    #[must_use]
+    fn folded(self, t: f64) -> f64 {
+        match self {
+            Self::Repeat => t,
+            Self::Clamp => t.clamp(0.0, 1.0),
+            Self::Mirror => 1.0 - (t.rem_euclid(2.0) - 1.0).abs(),
+        }
+    }
 }
 
 /// Continuation of a picture above its top row and below its bottom row.
@@ -32,6 +58,37 @@ pub enum Beyond {
 }
 
 impl Texture {
+    /// Creates a picture that repeats.
+    #[must_use]
+    pub fn new(name: impl Into<String>, width: u32, height: u32, pixels: impl Into<Texels>) -> Self {
+        Self { name: name.into(), width, height, pixels: pixels.into(), wrap: [Wrap::Repeat; 2] }
+    }
+
+    /// Returns the colour on a surface at (`u`, `v`), continued as `wrap` says, in `f64`.
+    #[must_use]
+    pub fn on_surface(&self, u: f64, v: f64) -> DVec3 {
+        if self.wrap == [Wrap::Repeat; 2] {
+            return self.lookup(u, v, Beyond::Repeat);
+        }
+        let [u, v] = [u, v].map(|t| if t.is_finite() { t } else { 0.0 });
+        let [columns, rows] = [self.width, self.height].map(i64::from);
+        let [x, y] = [(self.wrap[0], u, columns), (self.wrap[1], 1.0 - v, rows)].map(|(wrap, t, count)| {
+            let t = if wrap == Wrap::Repeat { t - t.floor() } else { wrap.folded(t) };
+            t * count as f64 - 0.5
+        });
+        let inside = |wrap: Wrap, i: i64, count: i64| match wrap {
+            Wrap::Repeat => i.rem_euclid(count),
+            Wrap::Clamp | Wrap::Mirror => i.clamp(0, count - 1),
+        };
+        let texel = |i: f64, j: f64| {
+            let (i, j) = (inside(self.wrap[0], i as i64, columns), inside(self.wrap[1], j as i64, rows));
+            self.pixels.get((j * columns + i) as usize).as_dvec3()
+        };
+        let (column, row) = (x.floor(), y.floor());
+        let across = |j: f64| texel(column, j).lerp(texel(column + 1.0, j), x - column);
+        across(row).lerp(across(row + 1.0), y - row)
+    }
+
     /// Returns the colour at texture coordinates (`u`, `v`), of any size, in `f64`. A coordinate that is not finite
     /// counts as 0.
     #[must_use]
@@ -49,7 +106,7 @@ impl Texture {
                 Beyond::Repeat => (j as i64).rem_euclid(rows),
                 Beyond::Hold => (j as i64).clamp(0, rows - 1),
             };
-            self.pixels[j as usize * self.width as usize + i].as_dvec3()
+            self.pixels.get(j as usize * self.width as usize + i).as_dvec3()
         };
         let across = |j: f64| texel(column, j).lerp(texel(column + 1.0, j), x - column);
         across(row).lerp(across(row + 1.0), y - row)
@@ -59,11 +116,12 @@ impl Texture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Rgb;
 
     /// Columns 0, 1; rows top 0, bottom 10.
     fn picture() -> Texture {
         let pixels = [0.0, 1.0, 10.0, 11.0].map(Rgb::splat).to_vec();
-        Texture { name: String::new(), width: 2, height: 2, pixels }
+        Texture::new("", 2, 2, pixels)
     }
 
     fn at(u: f64, v: f64, beyond: Beyond) -> f64 {
@@ -76,6 +134,18 @@ mod tests {
         assert_eq!(at(0.75, 0.75, Beyond::Repeat), 1.0);
         assert_eq!(at(0.25, 0.25, Beyond::Repeat), 10.0);
         assert_eq!(at(0.75, 0.25, Beyond::Repeat), 11.0);
+    }
+
+    #[test]
+    fn a_clamped_picture_ends_in_its_rim_and_a_mirrored_one_turns_back() {
+        let at = |wrap: [Wrap; 2], u: f64, v: f64| Texture { wrap, ..picture() }.on_surface(u, v).x;
+        assert_eq!(at([Wrap::Clamp; 2], 7.5, 0.75), 1.0);
+        assert_eq!(at([Wrap::Clamp; 2], -7.5, 3.0), 0.0);
+        assert_eq!(at([Wrap::Clamp, Wrap::Repeat], 1.0, -0.75), 11.0);
+        assert_eq!(at([Wrap::Mirror; 2], 1.25, 0.75), 1.0);
+        assert_eq!(at([Wrap::Mirror; 2], -0.25, 1.25), 0.0);
+        assert_eq!(at([Wrap::Mirror; 2], 2.75, -0.25), 11.0);
+        assert_eq!(at([Wrap::Repeat; 2], 1.25, -0.75), 10.0);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read as _;
 
-use super::run::Subject;
+use super::subject::Subject;
 use crate::geometry::{Shape, TriMesh};
 use crate::scene::Scene;
 
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 pub fn of(subject: &Subject) -> String {
     let mut hasher = DefaultHasher::new();
     scene(subject.scene, &mut hasher);
-    subject.default.flags().hash(&mut hasher);
+    format!("{:?}", subject.default).hash(&mut hasher);
     (subject.size, subject.threads, &subject.machine.cpu, subject.machine.processors).hash(&mut hasher);
     subject.machine.embree.as_ref().map(|e| (&e.version, &e.file)).hash(&mut hasher);
     (subject.machine.vitrum, subject.machine.simd).hash(&mut hasher);
@@ -49,7 +49,7 @@ fn scene(scene: &Scene, hasher: &mut DefaultHasher) {
     let materials: Vec<u32> = scene.objects.iter().map(|o| o.material).collect();
     materials.hash(hasher);
     for texture in &scene.textures {
-        (texture.width, texture.height).hash(hasher);
+        (texture.width, texture.height, texture.wrap).hash(hasher);
         texture.pixels.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
     }
     // Plain data of a few lines each.
@@ -69,7 +69,7 @@ fn scene(scene: &Scene, hasher: &mut DefaultHasher) {
 }
 
 fn mesh(mesh: &TriMesh, hasher: &mut DefaultHasher) {
-    for list in [&mesh.positions, &mesh.normals] {
+    for list in [&mesh.positions, &mesh.normals, &mesh.colours] {
         list.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));
     }
     mesh.uvs.iter().for_each(|p| p.to_array().map(f32::to_bits).hash(hasher));

@@ -30,6 +30,7 @@ const fn colour(axis: Axis) -> &'static str {
         Axis::Refraction => "#b0467b",
         Axis::Reflection => "#4f5bd5",
         Axis::Shadows => "#e69f00",
+        Axis::LightsFrom => "#a65628",
         Axis::Spheres => "#e58ab0",
         Axis::Cutoff => "#d55e00",
         Axis::Depth => "#6a3d9a",

@@ -41,6 +41,20 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The first bytes of a regular file, at most `count`.
+///
+/// # Errors
+/// `Io` where the system refuses, `File` where it is no regular file.
+pub fn read_start(path: &Path, count: u64) -> Result<Vec<u8>> {
+    let unreadable = |e| Error::io(path, "read", e);
+    if !fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(Error::file(path, "is not a regular file"));
+    }
+    let mut bytes = Vec::new();
+    File::open(path).map_err(unreadable)?.take(count).read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
 /// Creates a folder, and those above it, where they are missing.
 ///
 /// # Errors

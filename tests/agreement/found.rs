@@ -1,6 +1,7 @@
 //! Small scenes on which the two renderers once disagreed, with answers by hand that both must give.
 
 use glam::Vec3;
+use vitrum::geometry::Shape;
 use vitrum::optics::{Boundary, Exact, FresnelFormula};
 use vitrum::render::{Options, Outcome, RayKind};
 use vitrum::scene::{
@@ -90,7 +91,7 @@ fn a_pane_of_fixed_share_still_reflects_totally() {
     let mut sheet = vitrum::load::shapes::grid(1);
     let turn = glam::Quat::from_rotation_arc(Vec3::Y, normal);
     sheet.positions.iter_mut().for_each(|p| *p = turn * *p + Vec3::new(0.0, 0.0, 2.0));
-    add(&mut scene, vitrum::geometry::Shape::Mesh(sheet), pane);
+    add(&mut scene, Shape::Mesh(sheet), pane);
     scene.camera.eye = Vec3::new(-4.0, 0.0, 2.0);
     centres_are(&scene, Vec3::ZERO);
 }
@@ -138,7 +139,7 @@ fn an_eye_at_the_wall_of_an_upright_box_is_in_its_medium() {
 fn a_shadow_ray_passes_256_surfaces_and_no_more() {
     for (panes, want) in [(256, 1.0), (257, 0.0)] {
         let mut scene = lit_wall();
-        let clear = material(&mut scene, bare(Interface::Alpha { opacity: 0.0 }));
+        let clear = material(&mut scene, bare(Interface::Alpha { opacity: 0.0, mask: None }));
         for i in 0..panes {
             // Out of the eye's sight, which looks from the side.
             plane(&mut scene, Vec3::new(0.0, 0.0, 1.0 + 0.01 * i as f32), Vec3::Z, clear);
@@ -171,7 +172,7 @@ fn light_between_equal_indices_goes_on_as_it_came_at_any_angle() {
     let mut sheet = cuboid_mesh(Vec3::new(-2.0, -1.0, -2.0), Vec3::new(2.0, 0.0, 2.0));
     sheet.normals = vec![Vec3::Y];
     sheet.normal_indices = vec![[0; 3]; 12];
-    add(&mut scene, vitrum::geometry::Shape::Mesh(sheet), same);
+    add(&mut scene, Shape::Mesh(sheet), same);
     // Less than a twentieth of a degree above the top.
     let rise = 0.0004_f32;
     scene.camera = Camera {
@@ -188,7 +189,7 @@ fn light_between_equal_indices_goes_on_as_it_came_at_any_angle() {
 fn a_picture_on_a_shape_without_texture_coordinates_shows_its_corner() {
     let pixels = vec![Rgb::X, Rgb::Y, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::Z, Rgb::ONE, Rgb::ZERO];
     let mut scene = head_on(0.0);
-    scene.textures = vec![vitrum::scene::Texture { name: "picture".into(), width: 3, height: 3, pixels }];
+    scene.textures = vec![vitrum::scene::Texture::new("picture", 3, 3, pixels)];
     scene.ambient = Rgb::ONE;
     let pictured = Material { diffuse: Colour::Image { texture: 0, scale: Rgb::ONE }, ..Material::default() };
     let pictured = material(&mut scene, pictured);
@@ -206,4 +207,33 @@ fn a_picture_on_a_shape_without_texture_coordinates_shows_its_corner() {
     sphere(&mut scene, Vec3::new(0.0, 0.0, -1.0), 1.0, pictured);
     // Due +z: half a turn from -z, at half height, where the columns' ends meet in the middle row.
     centres_are(&scene, Rgb::ZERO);
+}
+
+#[test]
+fn a_mask_and_colours_of_corners_are_seen_alike_by_every_renderer() {
+    let mut scene = head_on(0.0);
+    scene.environment = Environment::Constant(Rgb::splat(2.0));
+    scene.textures = vec![vitrum::scene::Texture::new("mask", 2, 1, vec![Rgb::ZERO, Rgb::ONE])];
+    scene.textures[0].wrap = [vitrum::scene::Wrap::Clamp; 2];
+    scene.ambient = Rgb::ONE;
+    scene.lights = lit_wall().lights;
+    let cover = Material {
+        diffuse: Colour::Corners { texture: None, scale: Rgb::splat(0.5) },
+        emission: Rgb::splat(0.25),
+        ..bare(Interface::Alpha { opacity: 0.5, mask: Some(0) })
+    };
+    let cover = material(&mut scene, cover);
+    let corners = [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+    let mut mesh = vitrum::geometry::TriMesh::new(corners.to_vec(), vec![[0, 1, 2]]);
+    mesh.colours = vec![Rgb::X, Rgb::Y, Rgb::Z];
+    mesh.uvs = [0.75, 0.25].map(|u| glam::Vec2::new(u, 0.5)).to_vec();
+    mesh.uv_indices = vec![[0, 0, 0]];
+    add(&mut scene, Shape::Mesh(mesh.clone()), cover);
+    // Half of the sky, half of the emission, and half of the light that the colour between the corners reflects.
+    centres_are(&scene, 1.0 + 0.125 + 0.25 * Rgb::new(0.25, 0.25, 0.5));
+    scene.geometry.clear();
+    scene.objects.clear();
+    mesh.uv_indices = vec![[1, 1, 1]];
+    add(&mut scene, Shape::Mesh(mesh), cover);
+    centres_are(&scene, Rgb::splat(2.0));
 }

@@ -53,7 +53,7 @@ pub fn scene(seed: u64) -> Scene {
                 bare(Interface::ThinDielectric { ior: rng.between(1.2, 1.8), rule: FresnelRule::Fresnel, tint: colour })
             }
             3 => Material { interface: Interface::Coated { ior: 1.5 }, ..Material::default() },
-            4 => Material { interface: Interface::Alpha { opacity: rng.unit() }, ..Material::default() },
+            4 => Material { interface: Interface::Alpha { opacity: rng.unit(), mask: None }, ..Material::default() },
             _ => {
                 let ior = f64::from(rng.between(1.1, 2.0));
                 let absorption = rng.vector(0.0, 0.4);

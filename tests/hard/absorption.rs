@@ -120,7 +120,7 @@ fn a_gap_of_a_few_ulps_between_glass_and_water_loses_nothing() {
 /// no more, 8 or 40 of them; those that are cut are reported.
 #[test]
 fn stacked_sheets_are_as_clear_as_their_product() {
-    let alpha = Interface::Alpha { opacity: 0.0 };
+    let alpha = Interface::Alpha { opacity: 0.0, mask: None };
     let pane = Interface::ThinDielectric { ior: 1.5, rule: FresnelRule::Fixed(Rgb::ZERO), tint: Rgb::splat(0.875) };
     for (interface, each) in [(alpha, 1.0_f64), (pane, 0.875)] {
         for sheets in [8, 15, 16, 17, 26, 40] {

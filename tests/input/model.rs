@@ -4,28 +4,43 @@ use super::*;
 
 /// Case IO-01 of the catalogue.
 #[test]
-fn indices_that_point_nowhere_are_refused_with_their_line() {
+fn a_face_whose_index_points_nowhere_is_left_out_with_its_line_and_the_others_are_drawn() {
     for (face, parts) in [
         ("f 1 2 7", ["a.obj:4:", "vertex 7", "3"]),
         ("f 0 1 2", ["a.obj:4:", "vertex 0", "count from 1"]),
-        ("f -1 -2 -9", ["a.obj:4:", "-9", "only 3"]),
-        ("f -9223372036854775808 1 2", ["a.obj:4:", "-9223372036854775808", "only 3"]),
-        ("f 9223372036854775807 1 2", ["a.obj:4:", "9223372036854775807", "out of range"]),
+        ("f -1 -2 -9", ["a.obj:4:", "vertex 6 places", "before the first"]),
+        ("f -9223372036854775808 1 2", ["a.obj:4:", "-9223372036854775808", "out of range"]),
         ("f 99999999999999999999 1 2", ["a.obj:4:", "99999999999999999999", "out of range"]),
         ("f 4294967296 1 2", ["a.obj:4:", "4294967296", "out of range"]),
         ("f a 1 2", ["a.obj:4:", "`a`", "no index"]),
-        ("f 1/2/3/4 1 2", ["a.obj:4:", "1/2/3/4", "more than three"]),
         ("f /1 1 2", ["a.obj:4:", "`/1`", "no vertex"]),
     ] {
-        refused(obj(format!("{CORNERS}{face}\n")), 2, &parts);
+        refused(obj(format!("{CORNERS}{face}\n")), 2, &["no triangles", parts[0], parts[1], parts[2]]);
+        let folder = Folder::new().with("a.obj", format!("{CORNERS}{face}\nf 1 2 3\n"));
+        let loaded = warned(folder.load("a.obj"), &parts);
+        assert_eq!((triangles(&loaded), loaded.report.dropped.values().sum::<u64>()), (1, 1), "{face}");
+        refused(folder.strict("a.obj"), 2, &parts);
     }
-    refused(
-        obj(format!("{CORNERS}vn 0 0 1\nf 1//6148914691236517207 2//1 3//1\n")),
-        2,
-        &["a.obj:5:", "6148914691236517207"],
-    );
-    refused(obj(format!("{CORNERS}vn 0 0 1\nf 1//2 2//1 3//1\n")), 2, &["a.obj:5:", "normal 2", "has 1"]);
-    refused(obj(format!("{CORNERS}vt 0 0\nf 1/2 2/1 3/1\n")), 2, &["a.obj:5:", "texture coordinate 2"]);
+    warned(obj(format!("{CORNERS}f 1/2/3/4 2 3\n")), &["a.obj:4:", "1/2/3/4", "at most three"]);
+}
+
+#[test]
+fn an_attribute_that_cannot_be_had_is_left_out_as_where_the_file_has_none() {
+    let bare = |loaded: &Loaded| mesh(loaded, 0).normals.is_empty() && mesh(loaded, 0).uvs.is_empty();
+    for (text, parts) in [
+        ("vn 0 0 1\nf 1//6148914691236517207 2//1 3//1\n", ["a.obj:5:", "6148914691236517207"]),
+        ("vn 0 0 1\nf 1//2 2//1 3//1\n", ["a.obj:5:", "normal 2; the file has 1"]),
+        ("vt 0 0\nf 1/2 2/1 3/1\n", ["a.obj:5:", "texture coordinate 2"]),
+        ("vt 0 0\nf 1/0 2/1 3/1\n", ["a.obj:5:", "count from 1"]),
+        ("vt nan 0\nf 1/1 2/1 3/1\n", ["a.obj:5:", "without texture coordinates"]),
+        ("vt -1.#IND00 1.#QNAN0\nf 1/1 2/1 3/1\n", ["a.obj:5:", "without texture coordinates"]),
+        ("vn -nan(ind) 0 1\nf 1//1 2//1 3//1\n", ["a.obj:5:", "normal"]),
+    ] {
+        let folder = Folder::new().with("a.obj", format!("{CORNERS}{text}"));
+        let loaded = warned(folder.load("a.obj"), &parts);
+        assert!(triangles(&loaded) == 1 && bare(&loaded), "{text}");
+        refused(folder.strict("a.obj"), 2, &parts);
+    }
 }
 
 #[test]
@@ -80,12 +95,65 @@ fn corners_that_are_not_finite_drop_their_faces_and_are_counted() {
 
 /// Case IO-14 of the catalogue.
 #[test]
-fn numbers_that_are_none_are_refused_with_their_line() {
-    refused(obj("v 0 0\nf 1 1 1\n"), 2, &["a.obj:1:", "`v 0 0`", "too few"]);
-    refused(obj("v a b c\n"), 2, &["a.obj:1:", "`a`", "no number"]);
-    refused(obj("v 0 0 0\nv 0,5 0 0\n"), 2, &["a.obj:2:", "`0,5`", "point"]);
-    refused(obj("vn 0 0\n"), 2, &["a.obj:1:", "too few"]);
-    refused(obj("vt\n"), 2, &["a.obj:1:", "too few"]);
+fn numbers_that_are_none_cost_their_face_and_not_the_model() {
+    for (line, parts) in [
+        ("v 0", ["a.obj:4:", "`v 0`", "too few"]),
+        ("v a b c", ["a.obj:4:", "`a`", "no number"]),
+        ("v", ["a.obj:4:", "`v`", "too few"]),
+        ("v 0 0 x", ["a.obj:4:", "`x`", "no number"]),
+    ] {
+        let folder = Folder::new().with("a.obj", format!("{CORNERS}{line}\nf 1 2 3\nf 1 2 4\n"));
+        assert_eq!(triangles(&warned(folder.load("a.obj"), &parts)), 1, "{line}");
+        refused(folder.strict("a.obj"), 2, &parts);
+    }
+    warned(obj(format!("{CORNERS}vt\nvn 0 0\nf 1/1/1 2/1/1 3/1/1\n")), &["a.obj:4:", "`vt`", "too few", "and 1 more"]);
+}
+
+#[test]
+fn numbers_in_the_spelling_of_a_country_or_a_language_are_read_and_told() {
+    for (line, place) in [("v 0,5 0 -1,25", [0.5, 0.0, -1.25]), ("v 5D-1 1.0d+00 2", [0.5, 1.0, 2.0])] {
+        let loaded = warned(obj(format!("v 0 0 0\nv 1 0 0\n{line}\nf 1 2 3\n")), &["a.obj:3:", line, "point"]);
+        assert_eq!(mesh(&loaded, 0).positions[2].to_array(), place);
+    }
+    let loaded = warned(obj("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n"), &["a.obj:1:", "z = 0", "and 2 more"]);
+    assert_eq!(triangles(&loaded), 1);
+    let loaded = warned(obj("V 0 0 0\nV 1 0 0\nV 0 1 0\nF 1 2 3\n"), &["a.obj:1:", "capitals", "and 3 more"]);
+    assert_eq!(triangles(&loaded), 1);
+    let loaded = warned(obj(format!("{CORNERS}vt 0.5 0\nf 1 /1 2 /1 3 /1\n")), &["a.obj:5:", "blank before", "/1"]);
+    assert_eq!(mesh(&loaded, 0).uvs, [glam::Vec2::new(0.5, 0.0)]);
+}
+
+#[test]
+fn utf16_with_a_mark_is_read() {
+    let text = format!("{CORNERS}f 1 2 3\n");
+    let little: Vec<u8> = [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(u16::to_be_bytes).collect();
+    assert_eq!((triangles(&obj(little).unwrap()), triangles(&obj(big).unwrap())), (1, 1));
+}
+
+#[test]
+fn colours_of_vertices_show_unless_a_picture_or_the_scene_gives_the_colour() {
+    let text = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n";
+    let loaded = obj(text).unwrap();
+    assert_eq!(mesh(&loaded, 0).colours, [glam::Vec3::X, glam::Vec3::Y, glam::Vec3::Z]);
+    assert_eq!(loaded.scene.materials[0].diffuse, Colour::Corners { texture: None, scale: Rgb::ONE });
+    let text = text.replace("f 1", "mtllib a.mtl\nusemtl m\nf 1");
+    let loaded = Folder::new().with("a.obj", text).with("a.mtl", "newmtl m\nKd 0.5\n").load("a.obj").unwrap();
+    assert_eq!(loaded.scene.materials[0].diffuse, Colour::Corners { texture: None, scale: Rgb::splat(0.5) });
+}
+
+#[test]
+fn smoothing_groups_make_normals_where_the_file_has_none() {
+    let tent = "v 0 0 0\nv 0 0 1\nv 1 1 0\nv 1 1 1\nv 2 0 0\nv 2 0 1\n";
+    let of = |faces: &str| obj(format!("{tent}{faces}")).unwrap();
+    let smooth = of("s 1\nf 1 2 4 3\nf 3 4 6 5\n");
+    let ridge = mesh(&smooth, 0).normals.iter().filter(|n| (**n - glam::Vec3::Y).length() < 1e-6).count();
+    assert_eq!(ridge, 2);
+    for faces in ["f 1 2 4 3\nf 3 4 6 5\n", "s off\nf 1 2 4 3\nf 3 4 6 5\n", "s 1\ns 0\nf 1 2 4 3\nf 3 4 6 5\n"] {
+        assert!(mesh(&of(faces), 0).normals.is_empty(), "{faces}");
+    }
+    let apart = of("s 1\nf 1 2 4 3\ns 2\nf 3 4 6 5\n");
+    assert!(mesh(&apart, 0).normals.iter().all(|n| n.x.abs() > 0.7));
 }
 
 #[test]
@@ -107,9 +175,21 @@ fn faces_without_area_by_count_or_by_corner_are_dropped_and_counted() {
 }
 
 #[test]
-fn files_without_triangles_are_refused() {
-    for text in [&b""[..], b"\0\0\0\0", b"# nothing\n", CORNERS.as_bytes(), b"v 0 0 0\nf 1 1 1\n"] {
-        refused(obj(text), 2, &["a.obj", "no triangles"]);
+fn files_without_triangles_are_refused_and_what_they_hold_is_told() {
+    for (text, part) in [
+        (&b""[..], "empty"),
+        (b"\0\0\0\0\0\0\0\0\0\0", "binary"),
+        (b"# nothing\n", "no face"),
+        (CORNERS.as_bytes(), "3 vertices"),
+        (b"v 0 0 0\nf 1 1 1\n", "coincide"),
+        (b"v 0 0 0\nv 1 0 0\nl 1 2\n", "a.obj:3: points and lines"),
+        (b"v 0 0 0\ncstype bspline\nsurf 0 1 0 1 1\n", "free-form"),
+        (b"\x1f\x8b\x08\0\0", "gunzip"),
+        (b"<!DOCTYPE html><html></html>", "web page"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "git lfs pull"),
+        (b"ply\nformat ascii 1.0\n", "PLY"),
+    ] {
+        refused(obj(text), 2, &["a.obj", "no triangles", part]);
     }
 }
 
@@ -131,10 +211,9 @@ fn line_endings_marks_and_continuations_are_accepted_and_counted_right() {
 }
 
 #[test]
-fn bytes_that_are_not_utf8_are_named_by_line_and_offset() {
-    let loaded = warned(obj(b"# caf\xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), &["a.obj:1:", "0xe9", "offset 5"]);
-    assert_eq!(triangles(&loaded), 1);
-    refused(obj(b"v 0 0 0\nv \xff 0 0\n"), 2, &["a.obj:2:", "no number"]);
+fn bytes_that_are_not_utf8_matter_in_scenes_alone() {
+    assert_eq!(obj(b"# caf\xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap().report.warnings, []);
+    refused(obj(b"v 0 0 0\nv \xff 0 0\nf 1 2 1\n"), 2, &["a.obj:2:", "no number"]);
     let scene = Folder::new().with("a.toml", b"[camera]\neye = \"\xff\"\n");
     refused(scene.load("a.toml"), 2, &["a.toml:2:", "0xff", "offset 16"]);
 }
@@ -171,13 +250,15 @@ fn a_polygon_of_many_corners_is_cut_in_good_time_or_refused() {
         })
         .collect();
     let face: String = std::iter::once("f".to_owned()).chain((1..=20_000).map(|i| format!(" {i}"))).collect();
-    refused(obj(format!("{star}{face}\n")), 2, &["a.obj:20001:", "20000 corners"]);
+    let text = format!("{star}{face}\nf 1 2 3\n");
+    assert_eq!(triangles(&warned(obj(text), &["a.obj:20001:", "20000 corners"])), 1);
 }
 
 #[test]
 fn points_lines_and_unknown_statements_are_left_out_with_a_warning() {
     warned(obj(format!("{CORNERS}l 1 2\np 1\nf 1 2 3\n")), &["a.obj:4:", "points and lines", "and 1 more"]);
-    warned(obj(format!("{CORNERS}curv2 1 2\nf 1 2 3\n")), &["a.obj:4:", "`curv2`"]);
+    warned(obj(format!("{CORNERS}curv2 1 2\nf 1 2 3\n")), &["a.obj:4:", "`curv2`", "free-form"]);
+    warned(obj(format!("{CORNERS}wobble 1 2\nf 1 2 3\n")), &["a.obj:4:", "`wobble`"]);
 }
 
 #[test]
@@ -197,6 +278,24 @@ fn more_than_the_limits_allow_ends_with_exit_code_four() {
 }
 
 #[test]
+fn a_ground_plane_and_a_stray_face_do_not_decide_the_camera() {
+    let mut house = String::new();
+    for i in 0..40 {
+        house += &format!("v {i} 0 0\nv {i} 10 0\nv {i} 0 10\nf -3 -2 -1\n");
+    }
+    let distance = |text: &str| {
+        let camera = obj(text).unwrap().scene.camera;
+        (camera.eye - camera.target).length()
+    };
+    let alone = distance(&house);
+    let ground = "v -9e3 0 -9e3\nv 9e3 0 -9e3\nv 9e3 0 9e3\nv -9e3 0 9e3\nf -4 -1 -2 -3\n";
+    assert_eq!(distance(&format!("{house}{ground}")), alone);
+    assert_eq!(distance(&format!("{house}v 1e6 1e6 1e6\nv 1000001 1e6 1e6\nv 1e6 1000001 1e6\nf -3 -2 -1\n")), alone);
+    let two_houses = format!("{house}{}", house.replace(" 0 0\n", " 0 500\n").replace(" 10 0\n", " 10 500\n"));
+    assert!(distance(&two_houses) > 2.0 * alone);
+}
+
+#[test]
 fn a_model_by_itself_gets_a_camera_that_sees_all_of_it() {
     for scale in [1e-3, 1.0, 1e6] {
         let text = format!("v {scale} 0 0\nv 0 {scale} 0\nv 0 0 {scale}\nf 1 2 3\n");
@@ -207,7 +306,7 @@ fn a_model_by_itself_gets_a_camera_that_sees_all_of_it() {
             let angle = (p.as_dvec3() - camera.eye.as_dvec3()).normalize().dot(view).acos().to_degrees();
             assert!(angle < 20.0, "{scale}: {p} at {angle}");
         }
-        assert_eq!(loaded.scene.lights.len(), 2);
+        assert_eq!(loaded.scene.lights.len(), 3);
         assert_eq!(loaded.report.defaults.len(), 1);
     }
 }

@@ -29,15 +29,15 @@ fn pictures_are_linear_whatever_their_format_and_name() {
     // 188 is the eight-bit value nearest to half the light.
     for name in ["a.png", "a.jpg", "a"] {
         let picture = picture(name, png(2, 1, &[0, 188])).unwrap();
-        assert_eq!((picture.width, picture.height, picture.pixels[0]), (2, 1, Rgb::ZERO));
-        assert!((picture.pixels[1] - 0.5029).abs().max_element() < 1e-4);
+        assert_eq!((picture.width, picture.height, picture.pixels.get(0)), (2, 1, Rgb::ZERO));
+        assert!((picture.pixels.get(1) - 0.5029).abs().max_element() < 1e-4);
     }
     let mut pfm = b"Pf\n1 2\n-1\n".to_vec();
     pfm.extend([0.25f32, 3.0].iter().flat_map(|f| f.to_le_bytes()));
     // A PFM's rows go from the bottom up.
-    assert_eq!(picture("a.pfm", &pfm).unwrap().pixels, [Rgb::splat(3.0), Rgb::splat(0.25)]);
+    assert_eq!(picture("a.pfm", &pfm).unwrap().pixels.iter().collect::<Vec<_>>(), [Rgb::splat(3.0), Rgb::splat(0.25)]);
     let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
-    assert_eq!(picture("a.hdr", hdr).unwrap().pixels, [Rgb::ONE]);
+    assert_eq!(picture("a.hdr", hdr).unwrap().pixels.iter().collect::<Vec<_>>(), [Rgb::ONE]);
 }
 
 #[test]
@@ -47,7 +47,7 @@ fn an_exr_picture_comes_back_as_written() {
     exr::prelude::write_rgb_file(folder.path("a.exr"), 3, 2, at).unwrap();
     let picture = load::picture(&folder.path("a.exr"), &LoadOptions::default()).unwrap();
     assert_eq!((picture.width, picture.height), (3, 2));
-    assert_eq!(picture.pixels[5], Rgb::new(2.0, 10.0, 0.5));
+    assert_eq!(picture.pixels.get(5), Rgb::new(2.0, 10.0, 0.5));
 }
 
 /// Case IO-12 of the catalogue.
@@ -94,6 +94,6 @@ fn pixels_that_are_not_finite_or_negative_are_black_and_counted() {
     let scene = "[environment]\ntype = \"image\"\nfile = \"sky.pfm\"\n";
     let loaded =
         warned(Folder::new().with("sky.pfm", pfm).with("a.toml", scene).load("a.toml"), &["sky.pfm", "3 of 4"]);
-    let rows = &loaded.scene.textures[0].pixels;
+    let rows: Vec<Rgb> = loaded.scene.textures[0].pixels.iter().collect();
     assert_eq!(rows[..], [Rgb::new(0.0, 2.0, 3.0), Rgb::ONE, Rgb::new(0.0, 1.0, 1.0), Rgb::new(0.0, 1.0, 1.0)]);
 }

@@ -148,9 +148,9 @@ fn panes_and_holes_weaken_light_by_what_they_let_through() {
     close(share(&pane(thin), ShadowRule::Straight, 0.0), 0.5 * passes, 1e-14);
     let fixed = Interface::ThinDielectric { ior: 1.5, rule: FresnelRule::Fixed(Rgb::splat(0.25)), tint: Rgb::ONE };
     close(share(&pane(fixed), ShadowRule::Straight, 0.0), 0.75, 1e-14);
-    close(share(&pane(Interface::Alpha { opacity: 0.25 }), ShadowRule::Straight, 0.0), 0.75, 1e-14);
-    close(share(&pane(Interface::Alpha { opacity: 0.25 }), ShadowRule::Opaque, 0.0), 0.0, 0.0);
-    close(share(&pane(Interface::Alpha { opacity: 1.0 }), ShadowRule::Straight, 0.0), 0.0, 0.0);
+    close(share(&pane(Interface::Alpha { opacity: 0.25, mask: None }), ShadowRule::Straight, 0.0), 0.75, 1e-14);
+    close(share(&pane(Interface::Alpha { opacity: 0.25, mask: None }), ShadowRule::Opaque, 0.0), 0.0, 0.0);
+    close(share(&pane(Interface::Alpha { opacity: 1.0, mask: None }), ShadowRule::Straight, 0.0), 0.0, 0.0);
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn light_passes_256_surfaces_and_no_more() {
         let mut scene = floor(LightKind::Point { position: Vec3::new(0.0, 4.0, 0.0) }, Falloff::None);
         scene.settings.max_depth = 0;
         for i in 0..panes {
-            let hole = bare(Interface::Alpha { opacity: 0.0 });
+            let hole = bare(Interface::Alpha { opacity: 0.0, mask: None });
             put(&mut scene, plane(Vec3::Y * (3.0 + i as f32 / 512.0), Vec3::Y), hole);
         }
         close(seen(&scene), want, 0.0);

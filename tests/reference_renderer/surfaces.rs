@@ -4,7 +4,8 @@ use glam::{DVec3, Vec2, Vec3};
 use vitrum::geometry::{Shape, TriMesh};
 use vitrum::render::RayKind;
 use vitrum::scene::{
-    Colour, Environment, Falloff, FresnelRule, Interface, LightKind, Material, MirrorSource, Rgb, Scene, Texture,
+    Colour, Environment, Falloff, FresnelRule, Interface, LightKind, Material, MirrorSource, Rgb, Scene, Texels,
+    Texture, Wrap,
 };
 
 use super::build::*;
@@ -37,7 +38,7 @@ fn every_interface_divides_light_as_the_table_says() {
             1.0 + 2.0 * 0.25 + 8.0 * 0.5 * 0.75
         }),
         (Interface::Coated { ior: 1.5 }, (1.0 - r) + 2.0 * r),
-        (Interface::Alpha { opacity: 0.25 }, 0.25 + 8.0 * 0.75),
+        (Interface::Alpha { opacity: 0.25, mask: None }, 0.25 + 8.0 * 0.75),
     ] {
         let seen = trace(&wall(interface), [0.0, 0.0, 3.0], [angle.sin(), 0.0, -angle.cos()]);
         close(seen.radiance.x, want, 1e-14);
@@ -124,7 +125,7 @@ fn a_picture_lies_the_right_way_up() {
     let diffuse = Colour::Image { texture: 0, scale: Rgb::splat(0.5) };
     put(&mut scene, Shape::Mesh(mesh), Material { diffuse, ..Material::default() });
     let pixels = [1.0, 2.0, 3.0, 4.0].map(Rgb::splat).to_vec();
-    scene.textures.push(Texture { name: String::new(), width: 2, height: 2, pixels });
+    scene.textures.push(Texture::new("", 2, 2, pixels));
     scene.lights.push(light(LightKind::Directional { direction: -Vec3::Z }, Falloff::None));
     let at = |x, y| radiance(&scene, [x, y, 1.0], DOWN) / 1.5;
     close(at(0.25, 0.75), 1.0, 1e-14);
@@ -134,12 +135,64 @@ fn a_picture_lies_the_right_way_up() {
     close(at(0.5, 0.5), 2.5, 1e-14);
 }
 
+/// A square over 0..1 in x and y that shines by 1, seen before a sky of 3.
+fn shining_square(colour: Colour, interface: Interface) -> Scene {
+    let mut scene = empty();
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let triangles = vec![[0, 1, 2], [0, 2, 3]];
+    let mesh = TriMesh {
+        positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+        uvs: corners.map(|(x, y)| Vec2::new(x, y)).to_vec(),
+        uv_indices: triangles.clone(),
+        triangles,
+        colours: corners.map(|(x, y)| Vec3::new(x, y, 0.5)).to_vec(),
+        ..TriMesh::default()
+    };
+    put(&mut scene, Shape::Mesh(mesh), Material { diffuse: colour, emission: Rgb::ONE, ..bare(interface) });
+    scene.environment = Environment::Constant(Rgb::splat(3.0));
+    scene
+}
+
+#[test]
+fn a_mask_covers_where_its_picture_is_white_for_camera_rays_and_for_shadow_rays() {
+    let mask = Interface::Alpha { opacity: 0.5, mask: Some(0) };
+    let mut scene = shining_square(Colour::Constant(Rgb::ZERO), mask);
+    let light = Box::new(std::array::from_fn(|code| code as f32 / 255.0));
+    scene.textures.push(Texture::new("mask", 2, 1, Texels::Grey { codes: vec![0, 255], light }));
+    let at = |scene: &Scene, x| radiance(scene, [x, 0.5, 1.0], DOWN);
+    close(at(&scene, 0.25), 3.0, 1e-14);
+    close(at(&scene, 0.75), 0.5 + 0.5 * 3.0, 1e-14);
+    close(at(&scene, 0.5), 0.25 + 0.75 * 3.0, 1e-14);
+    scene.textures[0].wrap = [Wrap::Clamp; 2];
+    close(at(&scene, 0.001), 3.0, 1e-14);
+    // A floor below, which the lamp lights through the square.
+    put(&mut scene, plane(Vec3::Z * -1.0, Vec3::Z), Material::default());
+    scene.lights.push(super::build::light(LightKind::Directional { direction: -Vec3::Z }, Falloff::None));
+    scene.settings.shadows = vitrum::scene::ShadowRule::Straight;
+    let below = |x| radiance(&scene, [x, 0.5, -0.5], DOWN);
+    close(below(0.75) / below(0.25), 0.5, 1e-6);
+    close(below(0.5) / below(0.25), 0.75, 1e-6);
+}
+
+#[test]
+fn colours_of_corners_are_interpolated_and_multiply_the_picture() {
+    let mut scene = shining_square(Colour::Corners { texture: None, scale: Rgb::splat(0.5) }, Interface::Opaque);
+    scene.materials[0].emission = Rgb::ZERO;
+    scene.lights.push(light(LightKind::Directional { direction: -Vec3::Z }, Falloff::None));
+    let at = |scene: &Scene, x, y| trace(scene, [x, y, 1.0], DOWN).radiance / 3.0;
+    let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-7, "{a} {b}");
+    near(at(&scene, 0.3, 0.6), DVec3::new(0.15, 0.3, 0.25));
+    scene.textures.push(Texture::new("", 1, 1, vec![Rgb::new(1.0, 0.5, 0.0)]));
+    scene.materials[0].diffuse = Colour::Corners { texture: Some(0), scale: Rgb::ONE };
+    near(at(&scene, 0.3, 0.6), DVec3::new(0.3, 0.3, 0.0));
+}
+
 #[test]
 fn an_equirectangular_sky_has_its_middle_towards_minus_z_and_turns_towards_plus_x() {
     let mut scene = empty();
     // Four columns, two rows; columns are centred towards -z turned by -135, -45, 45 and 135 degrees.
-    let pixels = (0..8).map(|i| Rgb::splat(i as f32)).collect();
-    scene.textures.push(Texture { name: String::new(), width: 4, height: 2, pixels });
+    let pixels = (0..8).map(|i| Rgb::splat(i as f32)).collect::<Vec<_>>();
+    scene.textures.push(Texture::new("", 4, 2, pixels));
     let look = |scene: &Scene, azimuth: f64, height: f64| {
         let (s, c) = azimuth.to_radians().sin_cos();
         let (sin, cos) = height.to_radians().sin_cos();

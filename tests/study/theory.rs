@@ -184,7 +184,7 @@ fn refraction_formulas_send_light_where_their_angles_say() {
         let theta = degrees.to_radians();
         let mut small = sea(1.0, 1.33, theta, FresnelRule::Fixed(Rgb::ZERO));
         small.scene.media[1].absorption = Rgb::ZERO;
-        small.scene.textures.push(Texture { name: "ramp".into(), width: 4096, height: 1, pixels: Vec::clone(&pixels) });
+        small.scene.textures.push(Texture::new("ramp", 4096, 1, Vec::clone(&pixels)));
         let corners = [[-edge, edge], [edge, edge], [edge, -edge], [-edge, -edge]];
         let floor = TriMesh {
             positions: corners.map(|[x, z]| Vec3::new(x, -1.0, z)).to_vec(),

@@ -34,8 +34,8 @@ fn between(rng: &mut Rng, lo: f32, hi: f32) -> f32 {
 
 /// A picture that changes slowly enough for rounding of texture coordinates not to matter.
 fn picture(rng: &mut Rng, width: u32, height: u32) -> Texture {
-    let pixels = (0..width * height).map(|_| colour(rng)).collect();
-    Texture { name: "random".into(), width, height, pixels }
+    let pixels = (0..width * height).map(|_| colour(rng)).collect::<Vec<_>>();
+    Texture::new("random", width, height, pixels)
 }
 
 /// The scene of a seed, and the Fresnel formula to render it with.
@@ -83,7 +83,7 @@ fn interface(rng: &mut Rng, scene: &Scene) -> Interface {
         4 => Interface::Conductor { eta: colour(rng) * 2.0 + 0.05, k: colour(rng) * 4.0 },
         5 => Interface::Coated { ior },
         6 => Interface::ThinDielectric { ior, rule, tint },
-        7 => Interface::Alpha { opacity: rng.unit() },
+        7 => Interface::Alpha { opacity: rng.unit(), mask: chance(rng, 0.5).then_some(0) },
         _ => Interface::Dielectric { medium: rng.below(scene.media.len()) as u32, rule, tint },
     }
 }
@@ -106,6 +106,8 @@ fn material(rng: &mut Rng, scene: &Scene) -> Material {
         diffuse,
         highlight: chance(rng, 0.3).then_some(highlight),
         emission: if chance(rng, 0.2) { colour(rng) } else { Rgb::ZERO },
+        glow: None,
+        relief: None,
         interface: interface(rng, scene),
     }
 }

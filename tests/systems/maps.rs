@@ -181,9 +181,9 @@ fn a_map_of_a_scene_is_its_environment_again() {
         let off = (0..film.pixels.len()).filter(|&p| difference(&film, &double.film, p) > 1e-5).count();
         assert!(off * 100 < film.pixels.len(), "{}: {off} texels differ in f64", kind.name());
         let (width, height) = (film.width, film.height);
-        let pixels = film.pixels.into_iter().map(Rgb::from).collect();
+        let pixels = film.pixels.into_iter().map(Rgb::from).collect::<Vec<_>>();
         let mut inside = empty(0.0);
-        inside.textures.push(Texture { name: String::from("map"), width, height, pixels });
+        inside.textures.push(Texture::new("map", width, height, pixels));
         inside.environment = Environment::Map { kind, texture: 0, scale: Rgb::ONE, rotation: 0.0 };
         let prepared = [&inside, &scene].map(|s| reference::Prepared::with(s, &Options::default()));
         let differs = |dir: &Vec3| {

@@ -48,7 +48,7 @@ fn any_material(rng: &mut Rng, scene: &mut Scene) -> u32 {
         }
         10 => {
             let c = colour(rng);
-            material(scene, Material { interface: Interface::Alpha { opacity: 0.4 }, ..matt(c) })
+            material(scene, Material { interface: Interface::Alpha { opacity: 0.4, mask: None }, ..matt(c) })
         }
         _ => {
             let c = colour(rng);

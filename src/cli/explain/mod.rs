@@ -6,9 +6,10 @@ pub(super) mod options;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::options::Explain;
+use self::options::Explain;
+use super::verdict::Verdict;
 use super::warnings::Warnings;
-use super::{Verdict, backend, interrupt, output, progress};
+use super::{backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects::{self, Effect, EffectPlan};

@@ -9,9 +9,11 @@ use std::sync::atomic::Ordering;
 
 use glam::Vec3;
 
-use super::options::{Exposure, Map, refuse_input};
+use self::options::Map;
+use super::options::{Exposure, refuse_input};
+use super::verdict::Verdict;
 use super::warnings::Warnings;
-use super::{Verdict, backend, interrupt, metadata, output, progress};
+use super::{backend, interrupt, metadata, output, progress};
 use crate::accel::BuildQuality;
 use crate::image::{self, Bits, Encoding, MOST_PIXELS};
 use crate::render::Observer;

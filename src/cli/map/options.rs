@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::cli::args::MapArgs;
+use super::args::MapArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::{format_of, refuse_input};
 use crate::image::{Destination, Format};

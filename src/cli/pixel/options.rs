@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::args::PixelArgs;
 use crate::accel::Backend;
-use crate::cli::args::PixelArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::refraction;
 use crate::cli::options::{Overrides, refuse_input};
@@ -60,7 +60,7 @@ impl TryFrom<PixelArgs> for Pixel {
             least: args.least,
             svg,
             json: args.json,
-            overrides: Overrides::new(args.settings, args.optics.shadows),
+            overrides: Overrides::new(args.settings, args.optics),
             backend,
             options: render::Options {
                 fresnel: args.optics.fresnel.unwrap_or_default(),

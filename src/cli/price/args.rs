@@ -6,10 +6,11 @@ use std::time::Duration;
 use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
+use crate::cli::args::numbers::duration;
+use crate::cli::args::reflections::ReflectionsArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::cli::formulas::args::FormulasArgs;
-use crate::cli::reflections::args::ReflectionsArgs;
 use crate::study::Axis;
 
 /// Show what accuracy costs in time, for a scene of yours.
@@ -104,25 +105,6 @@ pub(in crate::cli) struct PriceArgs {
     pub quiet: bool,
 }
 
-/// Parses seconds, or a number with `s`, `m` or `h`.
-pub(in crate::cli) fn duration(text: &str) -> Result<Duration, String> {
-    let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
-        Some(at) => text.split_at(at),
-        None => (text, "s"),
-    };
-    let factor = match unit {
-        "ms" => 1e-3,
-        "s" => 1.0,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(String::from("not a time; write 90s, 5m or 1h")),
-    };
-    match number.trim().parse::<f64>() {
-        Ok(n) if n > 0.0 && n * factor <= 1e6 => Ok(Duration::from_secs_f64(n * factor)),
-        _ => Err(String::from("not a time above 0; write 90s, 5m or 1h")),
-    }
-}
-
 fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || String::from("not a size; write columns x rows, such as 320x240");
     let (w, h) = text.split_once('x').ok_or_else(wrong)?;
@@ -138,13 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_and_sizes_are_read_or_refused() {
-        assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
-        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
-        assert_eq!((duration("2"), duration("1h")), (Ok(Duration::from_secs(2)), Ok(Duration::from_secs(3600))));
-        for text in ["", "0s", "-1s", "5 parsecs", "nan", "1e99h"] {
-            assert!(duration(text).is_err(), "{text}");
-        }
+    fn sizes_are_read_or_refused() {
         assert_eq!(size("320x240"), Ok([320, 240]));
         assert!(size("320").is_err() && size("4x4").is_err() && size("320x").is_err());
     }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::args::PriceArgs;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::PriceArgs;
 use crate::cli::backend::Renderer;
 use crate::study::Axis;
 use crate::{Error, Result};

@@ -1,15 +1,15 @@
 //! `vitrum price --reflections`.
 
-pub(super) mod args;
 pub(super) mod options;
 
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::options::Reflections;
+use self::options::Reflections;
 use super::price::command;
-use super::{Verdict, backend, interrupt, output};
+use super::verdict::Verdict;
+use super::{backend, interrupt, output};
 use crate::accel::embree;
 use crate::image::Destination;
 use crate::load::{self, LoadOptions};

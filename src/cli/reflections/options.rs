@@ -1,8 +1,8 @@
-//! `vitrum price --reflections`, checked.
+//! Validated options of `vitrum price --reflections`.
 
 use std::path::PathBuf;
 
-use crate::cli::args::PriceArgs;
+use crate::cli::price::args::PriceArgs;
 use crate::cli::price::options::{default_backend, folder};
 use crate::study::reflections::Plan;
 use crate::{Error, Result};

@@ -7,11 +7,10 @@ use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
-use crate::cli::args::numbers::{above_zero, bound, exposure};
+use crate::cli::args::numbers::{above_zero, bound, duration, exposure};
 use crate::cli::args::{EffectArgs, OpticsArgs, SettingsArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, about_with, levels};
-use crate::cli::price::args as price;
 use crate::image::Bits;
 use crate::render::Reflection;
 use crate::simd::ReciprocalModel;
@@ -101,7 +100,7 @@ pub(in crate::cli) struct RenderArgs {
     pub max_error: Option<f64>,
 
     /// Choose what renders within TIME (2s, 500ms), the most accurate; what is given besides stays
-    #[arg(long, value_name = "TIME", value_parser = price::duration, help_heading = "Budget")]
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Budget")]
     pub time_budget: Option<Duration>,
 
     /// Worker threads [default: one a processor]
@@ -112,6 +111,10 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=1024), default_value_t = 32,
         help_heading = "Machine")]
     pub tile: u32,
+
+    /// Camera of a glTF model that is rendered by itself [default: its first one, else one that shows all of it]
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub camera: Option<String>,
 
     #[command(flatten, next_help_heading = "Reports")]
     pub strict: StrictArg,

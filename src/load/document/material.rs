@@ -72,6 +72,7 @@ pub(super) fn material<'d>(
         Kind::Coated => Interface::Coated { ior: ior(table, Some(1.5))? as f32 },
         Kind::Alpha => Interface::Alpha {
             opacity: table.need("opacity")?.number_where("from 0 to 1", |x| (0.0..=1.0).contains(&x))? as f32,
+            mask: None,
         },
     };
     let diffuse = match kind {
@@ -89,6 +90,8 @@ pub(super) fn material<'d>(
         diffuse,
         highlight: table.opt("highlight", |v| highlight(&v.table("highlight")?))?,
         emission,
+        glow: None,
+        relief: None,
         interface,
     };
     table.finish()?;

@@ -69,6 +69,7 @@ pub(super) fn mesh<'d>(
             let request = Request {
                 name: name.clone(),
                 material: table.opt("material", |v| names.material(v))?,
+                replace: &[],
                 smooth: table.opt("smooth", |v| {
                     v.number_where("an angle above 0 and up to 180 degrees", |x| x > 0.0 && x <= 180.0)
                 })?,
@@ -78,7 +79,13 @@ pub(super) fn mesh<'d>(
                 wrong_transform: &wrong,
             };
             table.finish()?;
-            Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)
+            let extras = Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)?;
+            if extras.view.is_some() || !extras.lamps.is_empty() {
+                let lights = extras.lamps.len();
+                let what = format!("`{name}` without the camera and the lights ({lights}) of its file");
+                assembly.reporter.default_used(what);
+            }
+            Ok(())
         }
         (None, Some(value)) => {
             let kind = value.choice(&KINDS)?;

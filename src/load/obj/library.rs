@@ -1,5 +1,5 @@
-//! Pre-pass over an MTL file. Checks every statement and rewrites it for `tobj`; data that `tobj` does not return
-//! (lines, `Tf`) are kept beside it.
+//! Reader of MTL files. Checks every statement and rewrites it for `tobj`; data that `tobj` does not return are kept
+//! beside it.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -9,7 +9,10 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use super::lines::Lines;
-use super::scan::short;
+use super::map::{Map, map};
+use super::names::{cleaned, folded};
+use super::statement::At;
+use super::text::{short, shown, trimmed, unmarked, without_comment, words};
 use crate::load::assembly::Assembly;
 use crate::system::files::read;
 use crate::{Error, Result};
@@ -24,36 +27,45 @@ pub(super) struct Entry {
     pub file: PathBuf,
     /// Line of its `newmtl`.
     pub line: u32,
-    /// Name of the material.
+    /// Name as shown.
     pub name: String,
     /// Values read by `tobj`.
     pub values: tobj::Material,
     /// Transmission filter, `Tf`.
     pub filter: Option<Vec3>,
-    /// Line of its `map_Kd`.
-    pub picture_line: u32,
-    /// Invalid refractive index, with its line; it matters only where light is refracted.
-    pub wrong_index: Option<(f32, u32)>,
+    /// Picture of the diffuse colour, `map_Kd`.
+    pub picture: Option<Map>,
+    /// Picture of the opacity, `map_d`.
+    pub mask: Option<Map>,
+    /// Values of the extension for physically based materials.
+    pub metallic: f32,
+    pub roughness: f32,
+    pub coat: f32,
 }
 
 /// Materials of all MTL files of a model.
 #[derive(Debug, Default)]
 pub(super) struct Library {
     entries: Vec<Entry>,
-    places: HashMap<String, usize>,
+    /// Entries by name as written, by cleaned name, and by name in any case; the last of each counts.
+    exact: HashMap<Vec<u8>, usize>,
+    cleaned: HashMap<Vec<u8>, usize>,
+    folded: HashMap<String, usize>,
 }
 
 impl Library {
-    /// Returns the material of that name; of several, the last.
-    pub(super) fn find(&self, name: &str) -> Option<&Entry> {
-        self.places.get(name).map(|&i| &self.entries[i])
+    /// Returns the material of that name: as written, else cleaned, else in any case.
+    pub(super) fn find(&self, name: &[u8]) -> Option<(usize, &Entry)> {
+        let place = self.exact.get(name).or_else(|| self.cleaned.get(&cleaned(name)));
+        let place = *place.or_else(|| self.folded.get(&folded(name)))?;
+        Some((place, &self.entries[place]))
     }
 
     /// Adds the materials of a file.
     pub(super) fn read(&mut self, file: &Path, assembly: &mut Assembly<'_>) -> Result<()> {
         let limits = assembly.options.limits;
         let bytes = read(file, limits.file_bytes)?;
-        let text = super::text(file, &bytes, assembly)?;
+        let text = unmarked(&bytes);
         let mut drafts: Vec<Draft> = Vec::new();
         // Statements before the first `newmtl`, or after one without a name, belong to no material.
         let mut named = false;
@@ -62,13 +74,15 @@ impl Library {
                 let place = Error::at(file, line as usize, format!("the line has {} bytes", statement.len()));
                 return Err(Error::Limit(format!("{place}; at most {} are read", limits.line_bytes)));
             }
-            let statement = statement.trim();
-            let keyword = statement.split_ascii_whitespace().next().unwrap_or("#");
-            if keyword.starts_with('#') {
+            let statement = trimmed(&statement);
+            let keyword = words(statement).next().unwrap_or(b"#");
+            if keyword.starts_with(b"#") {
                 continue;
             }
-            let rest = statement[keyword.len()..].trim();
-            if keyword == "newmtl" {
+            let rest = trimmed(&statement[keyword.len()..]);
+            let at = At { file, line, statement };
+            let keyword = keyword.to_ascii_lowercase();
+            if keyword == b"newmtl" {
                 named = !rest.is_empty();
                 if !named {
                     assembly.reporter.warn(file, line as usize, "`newmtl` without a name is left out", String::new)?;
@@ -80,13 +94,8 @@ impl Library {
                 continue;
             }
             match drafts.last_mut() {
-                Some(draft) if named => draft.statement(&At { file, line, statement }, keyword, rest, assembly)?,
-                _ => assembly.reporter.warn(
-                    file,
-                    line as usize,
-                    "statements outside a material are left out",
-                    String::new,
-                )?,
+                Some(draft) if named => draft.statement(&at, &keyword, rest, assembly)?,
+                _ => at.warn(assembly, "statements outside a material are left out")?,
             }
         }
         self.take(file, drafts, assembly)
@@ -95,10 +104,11 @@ impl Library {
     /// Passes the checked text to `tobj`.
     fn take(&mut self, file: &Path, drafts: Vec<Draft>, assembly: &mut Assembly<'_>) -> Result<()> {
         let mut text = String::new();
+        let inverted = transparency_is_opacity(&drafts);
         for (i, draft) in drafts.iter().enumerate() {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "newmtl {i}\n{}", draft.text);
-            if let Some(d) = draft.opacity(file, assembly)? {
+            if let Some(d) = draft.opacity(file, inverted, assembly)? {
                 let _ = writeln!(text, "d {d}");
             }
         }
@@ -108,146 +118,127 @@ impl Library {
             return Err(Error::file(file, "cannot be read: materials were lost"));
         }
         for (draft, values) in drafts.into_iter().zip(materials) {
-            if self.places.insert(draft.name.clone(), self.entries.len()).is_some() {
+            let place = self.entries.len();
+            if self.exact.insert(draft.name.clone(), place).is_some() {
                 let kind = format!("material `{}` is defined again; the last one counts", short(&draft.name));
                 assembly.reporter.warn(file, draft.line as usize, &kind, String::new)?;
             }
-            let filter = values.unknown_param.get("Tf").map(|t| {
-                let mut numbers = t.split(' ').map(|n| n.parse().unwrap_or(1.0));
-                Vec3::from_array(std::array::from_fn(|_| numbers.next().unwrap_or(1.0)))
-            });
+            self.cleaned.insert(cleaned(&draft.name), place);
+            self.folded.insert(folded(&draft.name), place);
             self.entries.push(Entry {
                 file: file.to_owned(),
                 line: draft.line,
-                name: draft.name,
+                name: shown(&cleaned(&draft.name)),
                 values,
-                filter,
-                picture_line: draft.picture_line,
-                wrong_index: draft.wrong_index,
+                filter: draft.filter.map(Vec3::from),
+                picture: draft.picture,
+                mask: draft.mask,
+                metallic: draft.metallic,
+                roughness: draft.roughness,
+                coat: draft.coat,
             });
         }
         Ok(())
     }
 }
 
-/// Statement with its location.
-struct At<'f> {
-    file: &'f Path,
-    line: u32,
-    statement: &'f str,
-}
-
-impl At<'_> {
-    fn error(&self, what: &str) -> Error {
-        Error::at(self.file, self.line as usize, format!("`{}`: {what}", short(self.statement)))
-    }
-
-    fn warn(&self, assembly: &mut Assembly<'_>, kind: &str) -> Result<()> {
-        assembly.reporter.warn(self.file, self.line as usize, kind, || format!(": `{}`", short(self.statement)))
-    }
-
-    /// Parses a finite number of at least 0.
-    fn number(&self, word: &str) -> Result<f32> {
-        let number: f32 = word.parse().map_err(|_| match word {
-            "" => self.error("a number is missing; add it"),
-            w if w.contains(',') => self.error("this is no number; write decimals with a point"),
-            _ => self.error("this is no number"),
-        })?;
-        if number.is_finite() && number >= 0.0 {
-            Ok(number)
-        } else {
-            Err(self.error("the number must be finite and at least 0"))
-        }
-    }
-
-    /// Parses three numbers, or one for all three.
-    fn colour(&self, words: &[&str]) -> Result<[f32; 3]> {
-        match words {
-            [one] => Ok([self.number(one)?; 3]),
-            [r, g, b, ..] => Ok([self.number(r)?, self.number(g)?, self.number(b)?]),
-            _ => Err(self.error("a colour has three numbers, or one for a grey")),
-        }
-    }
+/// Returns true if the writer of a file means opacity by `Tr`: a material has `Tr 1` and no `d`, as several exporters
+/// write opaque ones, and none has `Tr 0` and no `d`.
+fn transparency_is_opacity(drafts: &[Draft]) -> bool {
+    let alone =
+        |share: f32| drafts.iter().any(|d| d.dissolve.is_none() && d.transparency.is_some_and(|t| t.0 == share));
+    alone(1.0) && !alone(0.0)
 }
 
 /// Material whose statements are being read.
 #[derive(Debug, Default)]
 struct Draft {
-    name: String,
+    name: Vec<u8>,
     line: u32,
     /// Checked statements for `tobj`.
     text: String,
     /// Values of `d` and `Tr`, with their lines.
     dissolve: Option<(f32, u32)>,
     transparency: Option<(f32, u32)>,
-    picture_line: u32,
-    wrong_index: Option<(f32, u32)>,
+    filter: Option<[f32; 3]>,
+    picture: Option<Map>,
+    mask: Option<Map>,
+    metallic: f32,
+    roughness: f32,
+    coat: f32,
 }
 
 impl Draft {
-    fn statement(&mut self, at: &At<'_>, keyword: &str, rest: &str, assembly: &mut Assembly<'_>) -> Result<()> {
-        // A comment may follow numbers, but names may contain `#`.
-        let numbers = rest.split('#').next().unwrap_or("");
-        let words: Vec<&str> = numbers.split_ascii_whitespace().collect();
-        let first = words.first().copied().unwrap_or("");
+    fn statement(&mut self, at: &At<'_>, keyword: &[u8], rest: &[u8], assembly: &mut Assembly<'_>) -> Result<()> {
+        let numbers = without_comment(rest);
+        let mut words = words(numbers);
+        let first = words.next();
         match keyword {
-            "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => {
-                if matches!(first, "spectral" | "xyz") {
-                    return at.warn(assembly, "spectral and CIE colours are left out");
+            b"ka" | b"kd" | b"ks" | b"ke" | b"tf" => {
+                if first.is_some_and(|w| w.eq_ignore_ascii_case(b"spectral") || w.eq_ignore_ascii_case(b"xyz")) {
+                    return at.warn(assembly, "spectral and CIE colours are left out; give red, green and blue");
                 }
-                let mut colour = at.colour(&words)?;
-                if keyword != "Ke" && colour.iter().any(|&c| c > 1.0) {
-                    if colour.iter().any(|&c| c > 1e4) {
-                        return Err(at.error("a share of light is at most 1"));
+                let Some(colour) = at.colour(numbers, keyword == b"ke", assembly)? else { return Ok(()) };
+                let name = match keyword {
+                    b"ka" => "Ka",
+                    b"kd" => "Kd",
+                    b"ks" => "Ks",
+                    b"ke" => "Ke",
+                    _ => {
+                        self.filter = Some(colour);
+                        return Ok(());
                     }
-                    at.warn(assembly, "shares of light above 1 count as 1")?;
-                    colour = colour.map(|c| c.min(1.0));
-                }
-                self.line_for_tobj(format_args!("{keyword} {} {} {}", colour[0], colour[1], colour[2]));
+                };
+                self.line_for_tobj(format_args!("{name} {} {} {}", colour[0], colour[1], colour[2]));
             }
-            "Ni" => match first.parse::<f32>() {
-                Ok(n) if (1e-3..=1e3).contains(&n) => {
+            b"ni" => {
+                // Programs write 0 for an index that they do not know.
+                if let Some(n) = at.number(first, assembly)? {
                     self.line_for_tobj(format_args!("Ni {n}"));
-                    self.wrong_index = None;
                 }
-                Ok(n) => self.wrong_index = Some((n, at.line)),
-                Err(_) => return Err(at.error("this is no refractive index")),
-            },
-            "Ns" => {
-                let exponent = at.number(first)?;
-                if exponent > 1e6 {
-                    return Err(at.error("a highlight's exponent is at most 1e6"));
-                }
-                self.line_for_tobj(format_args!("Ns {exponent}"));
             }
-            "d" | "Tr" => {
-                let halo = first == "-halo";
+            b"ns" => {
+                if let Some(exponent) = at.within(first, [0.0, 1e6], assembly)? {
+                    self.line_for_tobj(format_args!("Ns {exponent}"));
+                }
+            }
+            b"d" | b"tr" => {
+                let halo = first.is_some_and(|w| w.eq_ignore_ascii_case(b"-halo"));
                 if halo {
                     at.warn(assembly, "`-halo` is left out; the dissolve is the same at every angle")?;
                 }
-                let share = at.number(if halo { words.get(1).copied().unwrap_or("") } else { first })?;
-                if share > 1.0 {
-                    return Err(at.error("a share is at most 1"));
+                let word = if halo { words.next() } else { first };
+                if let Some(share) = at.within(word, [0.0, 1.0], assembly)? {
+                    *(if keyword == b"d" { &mut self.dissolve } else { &mut self.transparency }) =
+                        Some((share, at.line));
                 }
-                *(if keyword == "d" { &mut self.dissolve } else { &mut self.transparency }) = Some((share, at.line));
             }
-            "illum" => match first.parse::<u32>() {
-                Ok(model @ 0..=10) => self.line_for_tobj(format_args!("illum {model}")),
-                _ => at.warn(assembly, "there are illumination models 0 to 10; this one is left out")?,
+            b"illum" => match at.number(first, assembly)? {
+                Some(model) if (0.0..=10.0).contains(&model) && model.fract() == 0.0 => {
+                    self.line_for_tobj(format_args!("illum {model}"));
+                }
+                Some(_) => at.warn(assembly, "there are illumination models 0 to 10; this one is left out")?,
+                None => {}
             },
-            "map_Kd" => {
-                let (file, options) = texture_file(rest);
-                if file.is_empty() {
+            b"pm" => self.metallic = at.within(first, [0.0, 1.0], assembly)?.unwrap_or(0.0),
+            b"pr" => self.roughness = at.within(first, [0.0, 1.0], assembly)?.unwrap_or(0.0),
+            b"pc" => self.coat = at.within(first, [0.0, 1.0], assembly)?.unwrap_or(0.0),
+            b"map_kd" | b"map_d" | b"map_tr" => {
+                let map = map(at.line, rest);
+                if map.file.is_empty() {
                     return at.warn(assembly, "a picture without a file is left out");
                 }
-                if options {
-                    at.warn(assembly, "texture options are left out")?;
+                for option in &map.unused {
+                    at.warn(assembly, &format!("the texture option `{option}` is left out"))?;
                 }
-                self.picture_line = at.line;
-                self.line_for_tobj(format_args!("map_Kd {file}"));
+                match keyword {
+                    b"map_kd" => self.picture = Some(map),
+                    b"map_d" => self.mask = Some(map),
+                    _ => at.warn(assembly, "`map_Tr` is not used and left out; write `map_d`")?,
+                }
             }
             _ => {
-                let kind = format!("`{}` is not used and left out", short(keyword));
+                let kind = format!("`{}` is not used and left out", short(&at.statement[..keyword.len()]));
                 at.warn(assembly, &kind)?;
             }
         }
@@ -260,54 +251,27 @@ impl Draft {
         self.text.push('\n');
     }
 
-    /// Returns the opacity: `d`, else 1 minus `Tr`.
-    fn opacity(&self, file: &Path, assembly: &mut Assembly<'_>) -> Result<Option<f32>> {
-        if let (Some((d, _)), Some((tr, line))) = (self.dissolve, self.transparency)
-            && (d - (1.0 - tr)).abs() > SAME_OPACITY
-        {
-            let kind = format!("`Tr {tr}` and `d {d}` of material `{}` disagree; `d` counts", short(&self.name));
-            assembly.reporter.warn(file, line as usize, &kind, String::new)?;
-        }
-        Ok(self.dissolve.map(|d| d.0).or(self.transparency.map(|t| 1.0 - t.0)))
-    }
-}
-
-/// Returns the file of a texture statement, and true if options precede it.
-fn texture_file(rest: &str) -> (&str, bool) {
-    let mut rest = rest.trim();
-    let mut options = false;
-    while let Some(word) = rest.split_ascii_whitespace().next().filter(|w| w.starts_with('-')) {
-        // Smallest and largest number of words that an option takes.
-        let (least, most) = match word {
-            "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan" | "-type" | "-cc" => (1, 1),
-            "-mm" => (2, 2),
-            "-o" | "-s" | "-t" => (1, 3),
-            _ => break,
-        };
-        options = true;
-        rest = rest[word.len()..].trim_start();
-        for taken in 0..most {
-            let Some(argument) = rest.split_ascii_whitespace().next() else { break };
-            if taken >= least && argument.parse::<f32>().is_err() {
-                break;
+    /// Returns the opacity: `d`, else 1 minus `Tr`, or `Tr` itself if `inverted`.
+    fn opacity(&self, file: &Path, inverted: bool, assembly: &mut Assembly<'_>) -> Result<Option<f32>> {
+        let name = short(&self.name);
+        match (self.dissolve, self.transparency) {
+            (Some((d, _)), Some((tr, line))) if (d - (1.0 - tr)).abs() > SAME_OPACITY => {
+                let kind = format!("`Tr {tr}` and `d {d}` of material `{name}` disagree; `d` counts");
+                assembly.reporter.warn(file, line as usize, &kind, String::new)?;
+                Ok(Some(d))
             }
-            rest = rest[argument.len()..].trim_start();
+            (Some((d, _)), _) => Ok(Some(d)),
+            (None, Some((tr, line))) if inverted => {
+                let kind = format!(
+                    "`Tr {tr}` of material `{name}`, without `d`, counts as opacity, as in files whose opaque materials \
+                     have `Tr 1`; write `d {tr}`, or `d {}` if it is transparency",
+                    1.0 - tr
+                );
+                assembly.reporter.warn(file, line as usize, &kind, String::new)?;
+                Ok(Some(tr))
+            }
+            (None, Some((tr, _))) => Ok(Some(1.0 - tr)),
+            (None, None) => Ok(None),
         }
-    }
-    (rest, options)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texture_options_are_told_from_the_file() {
-        assert_eq!(texture_file("t.png"), ("t.png", false));
-        assert_eq!(texture_file("-s 1 1 1 t.png"), ("t.png", true));
-        assert_eq!(texture_file("-s 2 my picture.png"), ("my picture.png", true));
-        assert_eq!(texture_file("-bm 0.5 -clamp on -o 0 0 a\\b.jpg"), ("a\\b.jpg", true));
-        assert_eq!(texture_file("-mm 0 1"), ("", true));
-        assert_eq!(texture_file("-odd.png"), ("-odd.png", false));
     }
 }

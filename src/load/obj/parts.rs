@@ -1,29 +1,63 @@
-//! Conversion of checked statements to meshes: faces are triangulated and sorted by material, and `tobj` indexes them.
+//! Conversion of statements to meshes: faces are triangulated and sorted by material, and each mesh gets its own corners.
 
-use std::io::{Cursor, Write};
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use super::corner::{Corner, Field, NONE};
 use super::polygon::{MOST_CONCAVE_CORNERS, Refusal, triangulate};
-use super::scan::{CURE, Corner, NONE, Scan};
+use super::scan::{CURE, Scan, beyond, usable};
+use crate::Result;
 use crate::geometry::TriMesh;
 use crate::load::draft::MeshDraft;
 use crate::load::extent::within;
 use crate::load::report::Reporter;
 use crate::system::memory;
-use crate::{Error, Result};
 
-/// Triangles of one material.
+/// Triangles of one material, with indices into the lists of the file.
 #[derive(Debug, Default)]
 pub(super) struct Part {
     /// Material, by the caller's number.
     pub group: u32,
-    pub triangles: Vec<[Corner; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// Texture coordinates; [`NONE`] where a triangle has none, and empty if no triangle has any.
+    uvs: Vec<[u32; 3]>,
+    /// Normals, likewise.
+    normals: Vec<[u32; 3]>,
     /// Line of each triangle.
     pub lines: Vec<u32>,
-    with_uvs: usize,
-    with_normals: usize,
+    /// Smoothing group of each triangle; empty if all are 0.
+    smooth: Vec<u32>,
+}
+
+impl Part {
+    pub(super) fn count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Appends a triangle.
+    fn push(&mut self, corners: [Corner; 3], line: u32, smooth: u32, what: &str) -> Result<()> {
+        let before = self.triangles.len();
+        memory::push(&mut self.triangles, corners.map(|c| c.v), what, CURE)?;
+        memory::push(&mut self.lines, line, what, CURE)?;
+        let optional = |list: &mut Vec<[u32; 3]>, indices: [u32; 3]| -> Result<()> {
+            if list.is_empty() && indices[0] == NONE {
+                return Ok(());
+            }
+            if list.is_empty() && before > 0 {
+                memory::reserve(list, before + 1, what, CURE)?;
+                list.resize(before, [NONE; 3]);
+            }
+            memory::push(list, indices, what, CURE)
+        };
+        optional(&mut self.uvs, corners.map(|c| c.vt))?;
+        optional(&mut self.normals, corners.map(|c| c.vn))?;
+        if smooth != 0 || !self.smooth.is_empty() {
+            self.smooth.resize(before, 0);
+            memory::push(&mut self.smooth, smooth, what, CURE)?;
+        }
+        Ok(())
+    }
 }
 
 /// Cuts the faces into triangles, one part per material; `group` maps each entry of `scan.uses` to a material.
@@ -35,10 +69,19 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
     for face in &scan.faces {
         let line = face.line as usize;
         corners.clear();
-        corners.extend_from_slice(&scan.corners[face.first..face.first + face.count]);
+        corners.extend_from_slice(&scan.corners[face.first as usize..(face.first + face.count) as usize]);
         if corners.len() < 3 {
             reporter.dropped("fewer than three corners");
             reporter.warn(file, line, "faces of fewer than three corners are left out", String::new)?;
+            continue;
+        }
+        if let Some(bad) = corners.iter().find(|c| usable(c.v, scan.positions.len()).is_none()) {
+            reporter.dropped("a corner at a vertex that the file does not have");
+            // A corner without a number was reported by its line.
+            if bad.v != NONE {
+                let detail = || beyond(Field::Vertex, bad.v, scan.positions.len());
+                reporter.warn(file, line, Field::Vertex.unusable(), detail)?;
+            }
             continue;
         }
         let position = |c: &Corner| scan.positions[c.v as usize];
@@ -64,16 +107,18 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
         points.clear();
         points.extend(corners.iter().map(position));
         cut.clear();
-        triangulate(&points, rounding(&points, scan.precise), &mut cut).map_err(|refusal| {
+        if let Err(refusal) = triangulate(&points, rounding(&points, scan.precise), &mut cut) {
             let why = match refusal {
                 Refusal::TooManyCorners => format!("at most {MOST_CONCAVE_CORNERS} are cut into triangles"),
                 Refusal::TooSlow => {
                     String::from("its outline winds so much that cutting it into triangles takes too long")
                 }
             };
-            let count = points.len();
-            Error::at(file, line, format!("a face with a dent has {count} corners; {why}; triangulate it beforehand"))
-        })?;
+            reporter.dropped("a dent and too many corners");
+            let kind = "faces with a dent and too many corners are left out; triangulate them beforehand";
+            reporter.warn(file, line, kind, || format!(": {} corners; {why}", points.len()))?;
+            continue;
+        }
         check_attributes(file, line, scan, &mut corners, reporter)?;
         let group = group[face.material as usize];
         let place = *places.entry(group).or_insert_with(|| {
@@ -89,10 +134,7 @@ pub(super) fn parts(file: &Path, scan: &Scan, group: &[u32], reporter: &mut Repo
                 reporter.dropped("corners that coincide");
                 continue;
             }
-            part.with_uvs += usize::from(triangle[0].vt != NONE);
-            part.with_normals += usize::from(triangle[0].vn != NONE);
-            memory::push(&mut part.triangles, triangle, &what, CURE)?;
-            memory::push(&mut part.lines, face.line, &what, CURE)?;
+            part.push(triangle, face.line, face.smooth, &what)?;
         }
     }
     parts.retain(|p| !p.triangles.is_empty());
@@ -105,7 +147,7 @@ fn rounding(points: &[DVec3], later: bool) -> f64 {
     points.iter().fold(0f64, |m, &p| m.max((p - from).abs().max_element())) * f64::from(f32::EPSILON)
 }
 
-/// Removes normals and texture coordinates from a face that lacks them at some corners, and normals of zero length.
+/// Removes normals and texture coordinates that cannot be used, and those of a face that lacks them at some corners.
 fn check_attributes(
     file: &Path,
     line: usize,
@@ -113,20 +155,43 @@ fn check_attributes(
     corners: &mut [Corner],
     reporter: &mut Reporter,
 ) -> Result<()> {
-    let mut strip = |missing: usize, field: fn(&mut Corner) -> &mut u32, kind: &str, corners: &mut [Corner]| {
-        if missing > 0 && missing < corners.len() {
-            reporter.warn(file, line, kind, String::new)?;
+    for field in [Field::Uv, Field::Normal] {
+        let (count, mixed) = match field {
+            Field::Normal => (scan.normals.len(), "a face without a usable normal at every corner is flat"),
+            _ => (scan.uvs.len(), "a face without texture coordinates at every corner has none"),
+        };
+        let mut missing = 0;
+        for corner in corners.iter_mut() {
+            let index = *corner.field(field);
+            let fits = usable(index, count).is_some_and(|i| match field {
+                Field::Normal => usable_normal(scan.normals[i]),
+                _ => scan.uvs[i].is_finite(),
+            });
+            if fits {
+                continue;
+            }
+            missing += 1;
+            if index == NONE || (index as usize) < count {
+                continue;
+            }
+            // A file without normals may still refer to them.
+            let what = field.name();
+            if count == 0 {
+                let kind = format!("faces point at {what}s, and the file has none: those are left out");
+                reporter.warn(file, line, &kind, String::new)?;
+            } else {
+                reporter.warn(file, line, field.unusable(), || beyond(field, index, count))?;
+            }
         }
-        if missing > 0 {
-            corners.iter_mut().for_each(|c| *field(c) = NONE);
+        let given = corners.iter_mut().any(|c| *c.field(field) != NONE);
+        if missing > 0 && given {
+            if count > 0 {
+                reporter.warn(file, line, mixed, String::new)?;
+            }
+            corners.iter_mut().for_each(|c| *c.field(field) = NONE);
         }
-        Ok::<(), Error>(())
-    };
-    let unusable = |c: &Corner| c.vn == NONE || !usable_normal(scan.normals[c.vn as usize]);
-    let missing = corners.iter().filter(|c| unusable(c)).count();
-    strip(missing, |c| &mut c.vn, "a face without a usable normal at every corner is flat", corners)?;
-    let missing = corners.iter().filter(|c| c.vt == NONE).count();
-    strip(missing, |c| &mut c.vt, "a face without texture coordinates at every corner has none", corners)
+    }
+    Ok(())
 }
 
 fn usable_normal(n: Vec3) -> bool {
@@ -134,131 +199,122 @@ fn usable_normal(n: Vec3) -> bool {
     length > 0.0 && length.is_finite()
 }
 
-/// Returns the meshes of all parts, in their order.
-///
-/// `tobj` receives a text that cannot be misread: finite numbers, absolute indices in range, triangles only, one object
-/// per part, and attributes at every corner of a part or at none.
-pub(super) fn meshes(file: &Path, scan: &Scan, parts: &[Part], reporter: &mut Reporter) -> Result<Vec<MeshDraft>> {
-    let mut text = Text { bytes: Vec::new(), what: format!("the meshes of {}", file.display()) };
-    for p in &scan.positions {
-        // Corners that are not finite belong to faces that were left out, but their indices still count.
-        let p = if p.is_finite() { *p } else { DVec3::ZERO };
-        if scan.precise {
-            text.push(format_args!("v {} {} {}\n", p.x, p.y, p.z))?;
-        } else {
-            // Written with fewer digits.
-            let p = p.as_vec3();
-            text.push(format_args!("v {} {} {}\n", p.x, p.y, p.z))?;
-        }
-    }
-    for uv in &scan.uvs {
-        text.push(format_args!("vt {} {}\n", uv.x, uv.y))?;
-    }
-    for n in &scan.normals {
-        let n = if usable_normal(*n) { n.as_dvec3().normalize().as_vec3() } else { Vec3::Y };
-        text.push(format_args!("vn {} {} {}\n", n.x, n.y, n.z))?;
-    }
-    let (mut uvs, mut normals) = (scan.uvs.len(), scan.normals.len());
-    for part in parts {
-        text.push(format_args!("o {}\n", part.group))?;
-        if part.with_uvs > 0 && part.with_uvs < part.triangles.len() {
-            let kind = "faces without texture coordinates among such that have them take the picture's corner";
-            reporter.warn(file, part.lines[0] as usize, kind, String::new)?;
-            text.push(format_args!("vt 0 0\n"))?;
-            uvs += 1;
-        }
-        for triangle in &part.triangles {
-            let mut triangle = *triangle;
-            if part.with_uvs > 0 && triangle[0].vt == NONE {
-                triangle.iter_mut().for_each(|c| c.vt = uvs as u32 - 1);
-            }
-            if part.with_normals > 0 && triangle[0].vn == NONE {
-                let n = flat_normal(triangle.map(|c| scan.positions[c.v as usize]));
-                text.push(format_args!("vn {} {} {}\n", n.x, n.y, n.z))?;
-                triangle.iter_mut().for_each(|c| c.vn = normals as u32);
-                normals += 1;
-            }
-            text.push(format_args!("f"))?;
-            for c in triangle {
-                let index = |i: u32| u64::from(i) + 1;
-                match (c.vt, c.vn) {
-                    (NONE, NONE) => text.push(format_args!(" {}", index(c.v)))?,
-                    (vt, NONE) => text.push(format_args!(" {}/{}", index(c.v), index(vt)))?,
-                    (NONE, vn) => text.push(format_args!(" {}//{}", index(c.v), index(vn)))?,
-                    (vt, vn) => text.push(format_args!(" {}/{}/{}", index(c.v), index(vt), index(vn)))?,
-                }
-            }
-            text.push(format_args!("\n"))?;
-        }
-    }
-    memory::need(&text.what, indexing_bytes(parts, [scan.positions.len(), uvs, normals]), CURE)?;
-    let (models, _) =
-        tobj::load_obj_buf(&mut Cursor::new(text.bytes), &tobj::LoadOptions::default(), |_| Ok(Default::default()))
-            .map_err(|e| Error::file(file, format!("cannot be indexed: {e}")))?;
-    if models.len() != parts.len()
-        || models.iter().zip(parts).any(|(m, p)| m.mesh.indices.len() != 3 * p.triangles.len())
-    {
-        return Err(Error::file(file, "cannot be indexed: triangles were lost"));
-    }
-    Ok(models.into_iter().zip(parts).map(|(model, part)| mesh(model.mesh, part)).collect())
+/// New indices for the entries of one list of the file.
+struct Renumbering {
+    /// New index of each entry; [`NONE`] for those not used.
+    new: Vec<u32>,
+    /// Entries in use, by their new indices.
+    used: Vec<u32>,
 }
 
-/// Returns the peak bytes for indexing: `tobj`'s lists, and the meshes made of them. `counts` are those of positions,
-/// texture coordinates and normals.
-///
-/// `tobj` holds three lists of numbers of the whole text and three of a part. For each of these it holds a hash map
-/// from 8 to 4 bytes. It holds the faces of a part in 104 bytes each, and three lists of indices. Its lists grow by
-/// doubling, and a hash map is at most seven eighths full. Its result is copied once.
-fn indexing_bytes(parts: &[Part], counts: [usize; 3]) -> u64 {
-    let list = |count: usize, each: usize| count.next_power_of_two().saturating_mul(each);
-    let kind = |(count, used): (usize, bool)| {
-        if !used {
-            return list(3 * count, 8);
+impl Renumbering {
+    fn of(count: usize, what: &str) -> Result<Self> {
+        let mut new = Vec::new();
+        memory::reserve(&mut new, count, what, CURE)?;
+        new.resize(count, NONE);
+        Ok(Self { new, used: Vec::new() })
+    }
+
+    /// Replaces indices of the file by new ones, in the order of their first use.
+    fn apply(&mut self, lists: &mut [[u32; 3]], what: &str) -> Result<()> {
+        for &i in &self.used {
+            self.new[i as usize] = NONE;
         }
-        let map = list(count / 7 * 8 + 8, 17);
-        let indices: usize = parts.iter().map(|p| list(3 * p.triangles.len(), 4) + 12 * p.triangles.len()).sum();
-        2 * list(3 * count, 8) + 24 * count + map + indices
-    };
-    let used = [true, parts.iter().any(|p| p.with_uvs > 0), parts.iter().any(|p| p.with_normals > 0)];
-    let largest = parts.iter().map(|p| p.triangles.len()).max().unwrap_or(0);
-    (counts.into_iter().zip(used).map(kind).sum::<usize>() + list(largest, 104)) as u64
-}
-
-/// Text for `tobj`.
-struct Text {
-    bytes: Vec<u8>,
-    /// Name in messages.
-    what: String,
-}
-
-impl Text {
-    /// Upper bound on the bytes of one piece of a line: three numbers of up to 60 characters.
-    const PIECE: usize = 256;
-
-    fn push(&mut self, arguments: std::fmt::Arguments<'_>) -> Result<()> {
-        if self.bytes.capacity() - self.bytes.len() < Self::PIECE {
-            let more = (self.bytes.len() / 2).max(1 << 12);
-            memory::reserve(&mut self.bytes, more, &self.what, CURE)?;
+        self.used.clear();
+        for index in lists.as_flattened_mut() {
+            let place = &mut self.new[*index as usize];
+            if *place == NONE {
+                *place = self.used.len() as u32;
+                memory::push(&mut self.used, *index, what, CURE)?;
+            }
+            *index = *place;
         }
-        // Writing to a vector cannot fail.
-        let _ = self.bytes.write_fmt(arguments);
         Ok(())
     }
+
+    fn pick<T: Copy + Default>(&self, of: impl Fn(usize) -> T, what: &str) -> Result<Vec<T>> {
+        let mut picked = Vec::new();
+        memory::reserve(&mut picked, self.used.len(), what, CURE)?;
+        picked.extend(self.used.iter().map(|&i| of(i as usize)));
+        Ok(picked)
+    }
 }
 
-fn mesh(mesh: tobj::Mesh, part: &Part) -> MeshDraft {
-    let triples = |flat: &[u32]| flat.as_chunks::<3>().0.to_vec();
-    let vectors = |flat: &[f64]| flat.as_chunks::<3>().0.iter().map(|&p| DVec3::from(p)).collect::<Vec<_>>();
-    let mut out = TriMesh { triangles: triples(&mesh.indices), ..TriMesh::default() };
-    if part.with_normals > 0 {
-        out.normals = vectors(&mesh.normals).into_iter().map(|n| n.as_vec3()).collect();
-        out.normal_indices = triples(&mesh.normal_indices);
+/// Returns the meshes of all parts, in their order.
+pub(super) fn meshes(
+    file: &Path,
+    scan: &Scan,
+    parts: Vec<Part>,
+    reporter: &mut Reporter,
+) -> Result<Vec<(u32, MeshDraft, Vec<u32>)>> {
+    let what = format!("the meshes of {}", file.display());
+    let mut corners = Renumbering::of(scan.positions.len(), &what)?;
+    let mut uvs = Renumbering::of(scan.uvs.len() + 1, &what)?;
+    let mut normals = Renumbering::of(scan.normals.len(), &what)?;
+    let mut meshes = Vec::with_capacity(parts.len());
+    for mut part in parts {
+        let mut mesh = TriMesh::default();
+        if !part.uvs.is_empty() {
+            if let Some(bare) = part.uvs.iter().position(|t| t[0] == NONE) {
+                let kind = "faces without texture coordinates among such that have them take the picture's corner";
+                reporter.warn(file, part.lines[bare] as usize, kind, String::new)?;
+                let corner = scan.uvs.len() as u32;
+                part.uvs.iter_mut().filter(|t| t[0] == NONE).for_each(|t| *t = [corner; 3]);
+            }
+            uvs.apply(&mut part.uvs, &what)?;
+            mesh.uvs = uvs.pick(|i| scan.uvs.get(i).copied().unwrap_or(Vec2::ZERO), &what)?;
+            mesh.uv_indices = part.uvs;
+        }
+        if !part.normals.is_empty() {
+            (mesh.normals, mesh.normal_indices) = with_flat(scan, part.normals, &part.triangles, &mut normals, &what)?;
+        }
+        corners.apply(&mut part.triangles, &what)?;
+        let places = corners.pick(|i| scan.positions[i], &what)?;
+        if !scan.colours.is_empty() {
+            mesh.colours = corners.pick(|i| scan.colours[i], &what)?;
+        }
+        mesh.triangles = part.triangles;
+        let smoothing = if mesh.normals.is_empty() { part.smooth } else { Vec::new() };
+        meshes.push((part.group, MeshDraft { corners: places, mesh, smoothing }, part.lines));
     }
-    if part.with_uvs > 0 {
-        out.uvs = mesh.texcoords.as_chunks::<2>().0.iter().map(|p| Vec2::from(p.map(|x| x as f32))).collect();
-        out.uv_indices = triples(&mesh.texcoord_indices);
-    }
-    MeshDraft { corners: vectors(&mesh.positions), mesh: out }
+    Ok(meshes)
+}
+
+/// Returns the normals of a part and their indices; triangles without normals get those of their planes.
+fn with_flat(
+    scan: &Scan,
+    mut indices: Vec<[u32; 3]>,
+    triangles: &[[u32; 3]],
+    normals: &mut Renumbering,
+    what: &str,
+) -> Result<(Vec<Vec3>, Vec<[u32; 3]>)> {
+    let bare: Vec<usize> = (0..indices.len()).filter(|&i| indices[i][0] == NONE).collect();
+    let mut given: Vec<[u32; 3]> = Vec::new();
+    let list = if bare.is_empty() {
+        normals.apply(&mut indices, what)?;
+        normals.pick(|i| unit(scan.normals[i]), what)?
+    } else {
+        memory::reserve(&mut given, indices.len(), what, CURE)?;
+        given.extend(indices.iter().filter(|t| t[0] != NONE));
+        normals.apply(&mut given, what)?;
+        let mut list = normals.pick(|i| unit(scan.normals[i]), what)?;
+        memory::reserve(&mut list, bare.len(), what, CURE)?;
+        let mut given = given.into_iter();
+        for (t, triangle) in indices.iter_mut().zip(triangles) {
+            *t = if t[0] == NONE {
+                list.push(flat_normal(triangle.map(|v| scan.positions[v as usize])));
+                [list.len() as u32 - 1; 3]
+            } else {
+                given.next().unwrap_or_default()
+            };
+        }
+        list
+    };
+    Ok((list, indices))
+}
+
+fn unit(n: Vec3) -> Vec3 {
+    n.as_dvec3().normalize().as_vec3()
 }
 
 /// Returns the unit normal of a triangle; +y for one without area, which no ray hits.

@@ -1,12 +1,17 @@
-//! Pre-pass over an OBJ file: checks every statement, parses every number, and makes every index absolute. Keeps the
-//! line of each face.
+//! Parser of OBJ files: blocks are parsed side by side ([`Block`]) and joined in order, with absolute indices and line
+//! numbers. The result does not depend on the number of threads or blocks.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
 
-use super::lines::Lines;
+use super::block::{Block, Fault, INHERITED, MOST_LIBRARIES, UNCOLOURED};
+use super::corner::{Corner, Field, NONE};
+use super::lines::blocks;
 use crate::geometry::COORDINATE_LIMIT;
+use crate::image::linear_from_srgb;
 use crate::load::Limits;
 use crate::load::extent::{Extent, within};
 use crate::load::report::Reporter;
@@ -16,26 +21,20 @@ use crate::{Error, Result};
 /// Cure for a model that exceeds the available memory.
 pub(super) const CURE: &str = "take a smaller model";
 
-/// Index of a missing attribute.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// Corner of a face: indices of its position, texture coordinate and normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Corner {
-    pub v: u32,
-    pub vt: u32,
-    pub vn: u32,
-}
+/// Bytes of a block.
+const BLOCK: usize = 1 << 20;
 
 /// Face of the file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Face {
     pub line: u32,
     /// Corners, as a range of [`Scan::corners`].
-    pub first: usize,
-    pub count: usize,
+    pub first: u32,
+    pub count: u32,
     /// Index into [`Scan::uses`].
     pub material: u32,
+    /// Smoothing group; 0 for none.
+    pub smooth: u32,
 }
 
 /// Content of an OBJ file.
@@ -47,272 +46,197 @@ pub(super) struct Scan {
     pub precise: bool,
     /// Largest magnitude of a coordinate that can be rendered.
     pub widest: f64,
-    /// Texture coordinates, finite.
+    /// Linear colours of the positions; empty if the file has none that differs from white.
+    pub colours: Vec<Vec3>,
+    /// Texture coordinates; not finite if the file gives none.
     pub uvs: Vec<Vec2>,
     /// Normals; zero or not finite if the file gives no direction.
     pub normals: Vec<Vec3>,
+    /// Corners of faces; an index may be [`NONE`] or out of range.
     pub corners: Vec<Corner>,
     pub faces: Vec<Face>,
-    /// Names of the materials used by faces, with the line of their first use; the first entry stands for no name.
-    pub uses: Vec<(String, u32)>,
+    /// Names of materials, with the line of their first use; the first entry stands for no name.
+    pub uses: Vec<(Vec<u8>, u32)>,
     /// Material files, with their lines.
-    pub libraries: Vec<(String, u32)>,
+    pub libraries: Vec<(Vec<u8>, u32)>,
 }
 
-/// Parses the statements of an OBJ file. Coordinates beyond [`COORDINATE_LIMIT`] count as wrong. If most exceed it,
-/// `widest` replaces that limit.
-pub(super) fn scan(file: &Path, text: &str, widest: f64, limits: &Limits, reporter: &mut Reporter) -> Result<Scan> {
-    let mut scan = Scan { uses: vec![(String::new(), 0)], ..Scan::default() };
-    let mut places = std::collections::HashMap::from([(String::new(), 0u32)]);
-    let mut material = 0;
-    let limit = limits.vertices.min(u64::from(NONE - 1)) as usize;
+/// Parses an OBJ file. Coordinates beyond [`COORDINATE_LIMIT`] count as wrong. If most exceed it, `widest` replaces that
+/// limit.
+pub(super) fn scan(file: &Path, text: &[u8], widest: f64, limits: &Limits, reporter: &mut Reporter) -> Result<Scan> {
+    scan_by(BLOCK, file, text, widest, limits, reporter)
+}
+
+fn scan_by(
+    size: usize,
+    file: &Path,
+    text: &[u8],
+    widest: f64,
+    limits: &Limits,
+    reporter: &mut Reporter,
+) -> Result<Scan> {
     let what = format!("the vertices and faces of {}", file.display());
-    for (line, text) in Lines::new(text) {
-        let at = Place { file, line };
-        if text.len() > limits.line_bytes {
-            let place = at.error(format!("the line has {} bytes", text.len()));
-            return Err(Error::Limit(format!("{place}; at most {} are read", limits.line_bytes)));
-        }
-        // A comment may follow a statement, but a name may contain `#`.
-        let (code, statement) = (text.split('#').next().unwrap_or(""), text.trim());
-        let mut words = code.split_ascii_whitespace();
-        let Some(keyword) = words.next() else { continue };
-        match keyword {
-            "v" => {
-                let position = at.numbers(code, &mut words, wide)?;
-                if let (Some(w), None) = (words.next(), words.next())
-                    && w.parse() != Ok(1.0f32)
-                {
-                    reporter.warn(file, line as usize, "the weight of a vertex is left out", || {
-                        format!(": `{}`", short(code))
-                    })?;
-                }
-                memory::push(&mut scan.positions, DVec3::from(position), &what, CURE)?;
-            }
-            "vt" => {
-                let first = words.next().unwrap_or("");
-                let u = at.number(code, first, narrow)?;
-                let v = words.next().map_or(Ok(0.0), |w| at.number(code, w, narrow))?;
-                let uv = Vec2::new(u, v);
-                if !uv.is_finite() {
-                    reporter.warn(
-                        file,
-                        line as usize,
-                        "a texture coordinate that is not finite counts as 0",
-                        || format!(": `{}`", short(code)),
-                    )?;
-                }
-                let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
-                memory::push(&mut scan.uvs, uv, &what, CURE)?;
-            }
-            "vn" => {
-                let normal = Vec3::from(at.numbers(code, &mut words, narrow)?);
-                memory::push(&mut scan.normals, normal, &what, CURE)?;
-            }
-            "f" | "fo" => {
-                let first = scan.corners.len();
-                for word in words {
-                    let corner = at.corner(word, &scan)?;
-                    memory::push(&mut scan.corners, corner, &what, CURE)?;
-                }
-                if scan.faces.len() as u64 >= limits.triangles {
-                    return Err(Error::Limit(format!("{}: more than {} faces", file.display(), limits.triangles)));
-                }
-                let count = scan.corners.len() - first;
-                memory::push(&mut scan.faces, Face { line, first, count, material }, &what, CURE)?;
-            }
-            "usemtl" => {
-                let name = statement[keyword.len()..].trim();
-                if name.is_empty() {
-                    reporter.warn(
-                        file,
-                        line as usize,
-                        "`usemtl` without a name: the default material is used",
-                        String::new,
-                    )?;
-                }
-                material = match places.get(name) {
-                    Some(&place) => place,
-                    None => {
-                        let place = scan.uses.len() as u32;
-                        if scan.uses.len() > limits.objects {
-                            return Err(Error::Limit(format!(
-                                "{}: more than {} materials",
-                                file.display(),
-                                limits.objects
-                            )));
-                        }
-                        places.insert(name.to_owned(), place);
-                        scan.uses.push((name.to_owned(), line));
-                        place
-                    }
-                };
-            }
-            "mtllib" => {
-                let name = statement[keyword.len()..].trim();
-                if scan.libraries.iter().all(|(known, _)| known != name) {
-                    if scan.libraries.len() >= 1000 {
-                        return Err(Error::Limit(format!("{}: more than 1000 material files", file.display())));
-                    }
-                    scan.libraries.push((name.to_owned(), line));
-                }
-            }
-            // Groups and objects have no effect on the picture; smoothing is requested in the scene.
-            "g" | "o" | "s" => {}
-            _ => {
-                let kind = match keyword {
-                    "l" | "p" => String::from("points and lines are left out"),
-                    _ => format!("statement `{}` is not understood and left out", short(keyword)),
-                };
-                reporter.warn(file, line as usize, &kind, String::new)?;
-            }
-        }
-        if scan.positions.len().max(scan.uvs.len()).max(scan.normals.len()) > limit {
-            return Err(Error::Limit(format!("{}: more than {limit} vertices", file.display())));
+    let parse = |text: &&[u8]| Block::parse(text, limits, &what);
+    let blocks = blocks(text, size);
+    // A small file is not worth the threads.
+    let parsed: Vec<Block> =
+        if blocks.len() < 2 { blocks.iter().map(parse).collect() } else { blocks.par_iter().map(parse).collect() };
+    let mut scan = joined(file, parsed, limits, reporter, &what)?;
+    let usual = f64::from(COORDINATE_LIMIT);
+    let (mut near, mut all, mut beyond) = (Extent::EMPTY, Extent::EMPTY, 0);
+    for p in scan.corners.iter().filter_map(|c| scan.positions.get(c.v as usize)) {
+        if within(*p, usual) {
+            near = near.with(*p);
+        } else if within(*p, widest) {
+            all = all.with(*p);
+            beyond += 1;
         }
     }
-    check_indices(file, &mut scan, reporter)?;
-    let drawn = scan.faces.iter().flat_map(|f| &scan.corners[f.first..f.first + f.count]);
-    let places = drawn.map(|c| scan.positions[c.v as usize]);
-    let usual = f64::from(COORDINATE_LIMIT);
-    let beyond = places.clone().filter(|&p| within(p, widest) && !within(p, usual)).count();
     scan.widest = if 2 * beyond > scan.corners.len() { widest } else { usual };
-    let places = places.filter(|&p| within(p, scan.widest));
-    scan.precise = !Extent::around(places).suits_f32();
+    let extent = if scan.widest > usual { near.union(all) } else { near };
+    scan.precise = !extent.suits_f32();
     if !scan.precise {
         scan.positions.iter_mut().for_each(|p| *p = p.as_vec3().as_dvec3());
     }
     Ok(scan)
 }
 
-fn narrow(word: &str) -> Option<f32> {
-    word.parse().ok()
-}
-
-/// Parses a decimal to an `f64` that also rounds to the `f32` nearest to the decimal.
-fn wide(word: &str) -> Option<f64> {
-    let x: f64 = word.parse().ok()?;
-    // Double rounding can differ halfway between two `f32`, which shows in the last 29 bits of a normal number.
-    let halfway = x.to_bits() & 0x1fff_ffff == 0x1000_0000;
-    let tiny = x != 0.0 && x.abs() < f64::from(f32::MIN_POSITIVE);
-    if halfway || tiny {
-        let once: f32 = word.parse().ok()?;
-        if x as f32 != once {
-            return Some(if f64::from(once) > x { x.next_up() } else { x.next_down() });
-        }
+/// Joins blocks in order.
+fn joined(file: &Path, blocks: Vec<Block>, limits: &Limits, reporter: &mut Reporter, what: &str) -> Result<Scan> {
+    let mut scan = Scan { uses: vec![(Vec::new(), 0)], ..Scan::default() };
+    let total = |of: fn(&Block) -> usize| blocks.iter().map(of).sum::<usize>();
+    let limit = limits.vertices.min(u64::from(NONE - 1)) as usize;
+    if total(|b| b.positions.len()).max(total(|b| b.uvs.len())).max(total(|b| b.normals.len())) > limit {
+        return Err(Error::Limit(format!("{}: more than {limit} vertices", file.display())));
     }
-    Some(x)
+    if total(|b| b.faces.len()) as u64 > limits.triangles {
+        return Err(Error::Limit(format!("{}: more than {} faces", file.display(), limits.triangles)));
+    }
+    memory::reserve(&mut scan.positions, total(|b| b.positions.len()), what, CURE)?;
+    memory::reserve(&mut scan.uvs, total(|b| b.uvs.len()), what, CURE)?;
+    memory::reserve(&mut scan.normals, total(|b| b.normals.len()), what, CURE)?;
+    memory::reserve(&mut scan.corners, total(|b| b.corners.len()), what, CURE)?;
+    memory::reserve(&mut scan.faces, total(|b| b.faces.len()), what, CURE)?;
+    let mut colours: Vec<Vec3> = Vec::new();
+    let mut painted: Vec<[u8; 3]> = Vec::new();
+    let mut places = HashMap::from([(Vec::new(), 0_u32)]);
+    let (mut lines, mut state) = (0_u32, [0_u32; 2]);
+    for mut block in blocks {
+        let at = |line: u32| lines.saturating_add(line);
+        for note in std::mem::take(&mut block.notes.list) {
+            reporter.warn_times(file, at(note.line) as usize, &note.kind, note.count, || note.detail)?;
+        }
+        if let Some((line, fault)) = block.fault {
+            return Err(error(file, at(line), fault, limits));
+        }
+        let names = std::mem::take(&mut block.uses);
+        let mut materials = Vec::with_capacity(names.len());
+        for (name, line) in names {
+            let next = scan.uses.len() as u32;
+            if next as usize > limits.objects {
+                return Err(error(file, at(line), Fault::Names("materials", limits.objects), limits));
+            }
+            let place = *places.entry(name.clone()).or_insert(next);
+            if place == next {
+                scan.uses.push((name, at(line)));
+            }
+            materials.push(place);
+        }
+        for (name, line) in std::mem::take(&mut block.libraries) {
+            if scan.libraries.iter().all(|(known, _)| *known != name) {
+                if scan.libraries.len() >= MOST_LIBRARIES {
+                    return Err(error(file, at(line), Fault::Names("material files", MOST_LIBRARIES), limits));
+                }
+                scan.libraries.push((name, at(line)));
+            }
+        }
+        backwards(file, &mut block, &scan, lines, reporter)?;
+        let first = scan.corners.len() as u32;
+        let material = |local: u32| materials.get(local as usize).copied();
+        scan.faces.extend(block.faces.iter().map(|face| Face {
+            line: at(face.line),
+            first: first + face.first,
+            count: face.count,
+            material: material(face.material).unwrap_or(state[0]),
+            smooth: if face.smooth == INHERITED { state[1] } else { face.smooth },
+        }));
+        state[0] = material(block.last[0]).unwrap_or(state[0]);
+        state[1] = if block.last[1] == INHERITED { state[1] } else { block.last[1] };
+        if !block.colours.is_empty() || !colours.is_empty() {
+            colours.resize(scan.positions.len(), UNCOLOURED);
+            colours.append(&mut block.colours);
+        }
+        painted.append(&mut block.painted);
+        scan.positions.append(&mut block.positions);
+        scan.uvs.append(&mut block.uvs);
+        scan.normals.append(&mut block.normals);
+        scan.corners.append(&mut block.corners);
+        lines = lines.saturating_add(block.lines);
+    }
+    scan.colours = linear(colours, &painted, scan.positions.len());
+    Ok(scan)
 }
 
-/// Checks indices at the end, since positive ones may point forward.
-fn check_indices(file: &Path, scan: &mut Scan, reporter: &mut Reporter) -> Result<()> {
-    let counts = [scan.positions.len(), scan.uvs.len(), scan.normals.len()];
-    for face in &scan.faces {
-        for corner in &mut scan.corners[face.first..face.first + face.count] {
-            let given = [corner.v, corner.vt, corner.vn];
-            for (kind, (&index, &count)) in given.iter().zip(&counts).enumerate() {
-                if index == NONE || (index as usize) < count {
-                    continue;
-                }
-                let what = ["vertex", "texture coordinate", "normal"][kind];
-                // A file without normals may still refer to them.
-                if kind > 0 && count == 0 {
-                    let text = format!("faces point at {what}s, and the file has none: those are left out");
-                    reporter.warn(file, face.line as usize, &text, String::new)?;
-                    *[&mut corner.vt, &mut corner.vn][kind - 1] = NONE;
-                    continue;
-                }
-                let message = format!("the face points at {what} {}; the file has {count}", u64::from(index) + 1);
-                return Err(Error::at(file, face.line as usize, message));
-            }
+/// Makes the indices of a block absolute.
+fn backwards(file: &Path, block: &mut Block, scan: &Scan, lines: u32, reporter: &mut Reporter) -> Result<()> {
+    let bases = [scan.positions.len(), scan.uvs.len(), scan.normals.len()];
+    for (place, field) in std::mem::take(&mut block.backwards) {
+        let corner = &mut block.corners[place as usize];
+        let base = bases[field as usize] as i64;
+        let index = base + i64::from(*corner.field(field) as i32);
+        *corner.field(field) = u32::try_from(index).unwrap_or(NONE);
+        if index < 0 {
+            let face = block.faces.partition_point(|f| f.first <= place).saturating_sub(1);
+            let line = lines.saturating_add(block.faces[face].line) as usize;
+            reporter.warn(file, line, field.unusable(), || {
+                format!(": a {} {} places before the first one", field.name(), -index)
+            })?;
         }
     }
     Ok(())
 }
 
-/// Line of the file, for messages.
-struct Place<'f> {
-    file: &'f Path,
-    line: u32,
-}
-
-impl Place<'_> {
-    fn error(&self, message: String) -> Error {
-        Error::at(self.file, self.line as usize, message)
-    }
-
-    fn number<T>(&self, statement: &str, word: &str, read: fn(&str) -> Option<T>) -> Result<T> {
-        read(word).ok_or_else(|| {
-            let statement = short(statement.trim());
-            self.error(match word {
-                "" => format!("`{statement}` has too few numbers"),
-                w if w.contains(',') => {
-                    format!("`{statement}`: `{}` is no number; write decimals with a point", short(w))
-                }
-                w => format!("`{statement}`: `{}` is no number", short(w)),
-            })
-        })
-    }
-
-    fn numbers<'w, T>(
-        &self,
-        statement: &str,
-        words: &mut impl Iterator<Item = &'w str>,
-        read: fn(&str) -> Option<T>,
-    ) -> Result<[T; 3]> {
-        let mut next = || self.number(statement, words.next().unwrap_or(""), read);
-        Ok([next()?, next()?, next()?])
-    }
-
-    /// Parses `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, word: &str, scan: &Scan) -> Result<Corner> {
-        let mut parts = word.split('/');
-        let mut next = |count: usize, what: &str, needed: bool| match parts.next() {
-            None | Some("") if !needed => Ok(NONE),
-            None | Some("") => Err(self.error(format!("corner `{}` of the face names no {what}", short(word)))),
-            Some(part) => self.index(part, count, what),
-        };
-        let corner = Corner {
-            v: next(scan.positions.len(), "vertex", true)?,
-            vt: next(scan.uvs.len(), "texture coordinate", false)?,
-            vn: next(scan.normals.len(), "normal", false)?,
-        };
-        match parts.next() {
-            None => Ok(corner),
-            Some(_) => Err(self.error(format!("corner `{}` of the face has more than three indices", short(word)))),
+fn error(file: &Path, line: u32, fault: Fault, limits: &Limits) -> Error {
+    match fault {
+        Fault::Memory(error) => error,
+        Fault::Names(of, most) => Error::Limit(format!("{}: more than {most} {of}", file.display())),
+        Fault::LongLine(bytes) => {
+            let place = Error::at(file, line as usize, format!("the line has {bytes} bytes"));
+            Error::Limit(format!("{place}; at most {} are read", limits.line_bytes))
         }
     }
-
-    /// Parses an index: from 1, or from -1 backwards from the latest of `count`.
-    fn index(&self, part: &str, count: usize, what: &str) -> Result<u32> {
-        let index: i64 = part.parse().map_err(|e: std::num::ParseIntError| {
-            let why = match e.kind() {
-                std::num::IntErrorKind::PosOverflow | std::num::IntErrorKind::NegOverflow => "is out of range",
-                _ => "is no index",
-            };
-            self.error(format!("`{}`, a {what} of the face, {why}", short(part)))
-        })?;
-        let place = match index {
-            0 => return Err(self.error(format!("a face points at {what} 0; they count from 1"))),
-            1.. => index - 1,
-            _ => (count as i64).checked_add(index).filter(|&i| i >= 0).ok_or_else(|| {
-                self.error(format!("the face points {index} {what} back; only {count} come before it"))
-            })?,
-        };
-        u32::try_from(place)
-            .ok()
-            .filter(|&i| i != NONE)
-            .ok_or_else(|| self.error(format!("the face points at {what} {index}, which is out of range")))
-    }
 }
 
-/// Returns enough of a text for a message.
-pub(super) fn short(text: &str) -> String {
-    let mut out: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if out.len() < text.len() {
-        out.push_str("...");
+/// Returns the linear colours of `count` vertices; empty if all are white. Colours of the file are sRGB: shares or, if
+/// one exceeds 1, codes up to 255.
+fn linear(mut colours: Vec<Vec3>, painted: &[[u8; 3]], count: usize) -> Vec<Vec3> {
+    if painted.is_empty() && colours.is_empty() {
+        return colours;
     }
-    out
+    let of_vertices = colours.iter().filter(|c| c.is_finite());
+    let most = of_vertices.fold(0.0_f32, |most, c| most.max(c.max_element()));
+    let scale = if most > 1.0 { 1.0 / 255.0 } else { 1.0 };
+    colours.resize(count, UNCOLOURED);
+    colours.iter_mut().for_each(|c| *c = if c.is_finite() { *c * scale } else { Vec3::ONE });
+    for (colour, code) in colours.iter_mut().zip(painted) {
+        *colour = Vec3::from(code.map(f32::from)) / 255.0;
+    }
+    if colours.iter().all(|&c| c == Vec3::ONE) {
+        return Vec::new();
+    }
+    let linear = |c: f32| linear_from_srgb(f64::from(c.clamp(0.0, 1.0))) as f32;
+    colours.iter_mut().for_each(|c| *c = Vec3::from(c.to_array().map(linear)));
+    colours
+}
+
+/// Returns the place of an attribute that a corner has and the file, too.
+pub(super) fn usable(index: u32, count: usize) -> Option<usize> {
+    Some(index as usize).filter(|&i| i < count)
+}
+
+/// Returns the text of a warning about an index beyond the file's list.
+pub(super) fn beyond(field: Field, index: u32, count: usize) -> String {
+    format!(": {} {}; the file has {count}", field.name(), u64::from(index) + 1)
 }
 
 #[cfg(test)]
@@ -320,21 +244,44 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coordinates_keep_the_digits_of_f64_and_still_round_to_the_f32_nearest_to_the_decimal() {
-        assert_eq!(wide("5411234.441013"), Some(5411234.441013));
-        assert_eq!(wide("x"), None);
-        // Above halfway between 1 and the next `f32`, by less than `f64` resolves.
-        let above = "1.000000059604644775390625000000000001";
-        assert_eq!(above.parse::<f64>().unwrap() as f32, 1.0);
-        assert_eq!(wide(above).unwrap() as f32, 1.0_f32.next_up());
-        // Below halfway, where the tie would round up.
-        let below = "1.000000178813934326171874999999999999";
-        assert_eq!(below.parse::<f64>().unwrap() as f32, 1.0_f32.next_up().next_up());
-        assert_eq!(wide(below).unwrap() as f32, 1.0_f32.next_up());
-        // Between 1 and 2 times the smallest `f32`, above the middle.
-        let tiny = "2.10194769649500000000000000001e-45";
-        assert_eq!(wide(tiny).unwrap() as f32, tiny.parse::<f32>().unwrap());
-        assert_eq!(wide("-0").unwrap().to_bits(), (-0.0_f64).to_bits());
-        assert_eq!(wide("1e39").unwrap() as f32, f32::INFINITY);
+    fn a_file_in_small_blocks_is_the_same_as_in_one() {
+        let text = "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0\nusemtl a\nv 0 1 0\nvt 0 0\nvn 0 0 1\ns 3\nf 1/1/1 2 -1\nl 1 2\n\
+                    usemtl b\nf -3 \\\n-2 -1//-1\nv 1 1 0 0 1 0\nusemtl a\nf 2 4 3\ns off\nf -1 -2 -3\nf -9 1 2\nl 1 2\n";
+        let of = |size| {
+            let mut reporter = Reporter::new(false);
+            let scan = scan_by(size, Path::new("a.obj"), text.as_bytes(), 1e18, &Limits::default(), &mut reporter);
+            (format!("{:?}", scan.unwrap()), reporter.finish().warnings)
+        };
+        let whole = of(1 << 20);
+        assert_eq!(whole.1.len(), 2, "{:?}", whole.1);
+        for size in 1..text.len() {
+            let (scan, warnings) = of(size);
+            assert_eq!(scan, whole.0, "{size}");
+            let mut sorted = warnings.clone();
+            sorted.sort_by_key(|w| w.line);
+            assert_eq!(
+                sorted,
+                {
+                    let mut w = whole.1.clone();
+                    w.sort_by_key(|w| w.line);
+                    w
+                },
+                "{size}"
+            );
+        }
+    }
+
+    #[test]
+    fn colours_of_vertices_are_srgb_in_shares_or_in_codes() {
+        let of = |text: &str| {
+            let mut reporter = Reporter::new(false);
+            scan(Path::new("a.obj"), text.as_bytes(), 1e18, &Limits::default(), &mut reporter).unwrap().colours
+        };
+        let half = linear_from_srgb(0.5) as f32;
+        assert_eq!(of("v 0 0 0 0.5 1 0\nv 0 0 0\n"), [Vec3::new(half, 1.0, 0.0), Vec3::ONE]);
+        assert_eq!(of("v 0 0 0 1.0 0.5 1 0\n"), [Vec3::new(half, 1.0, 0.0)]);
+        assert_eq!(of("v 0 0 0 0 255 0\nv 0 0 0 255 0 0\n"), [Vec3::Y, Vec3::X]);
+        assert_eq!(of("v 0 0 0\nv 0 0 0\n#MRGB ff0000ff00ff0000\n"), [Vec3::Z, Vec3::X]);
+        assert!(of("v 0 0 0 1 1 1\nv 0 0 0\n").is_empty());
     }
 }

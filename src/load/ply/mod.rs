@@ -1,8 +1,8 @@
 //! Reader of PLY models (Turk 1994, "The PLY Polygon File Format"): ASCII and binary of both byte orders.
 //!
 //! The scanner is our own. The crate that reads this format, `ply-rs-bw` 4.0.1, fails the whole file for one word that
-//! is no number, keeps one of two properties of the same name and so misreads all that follows, and repeats an entry
-//! without properties as often as the header says.
+//! is no number. It keeps one of two properties of the same name, and so misreads everything behind them. It repeats an
+//! entry without properties as often as the header says.
 
 mod header;
 mod numbers;
@@ -70,18 +70,11 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
         }
         None if mesh.mesh.colours.is_empty() => assembly.add_material(Material::default())?,
         None => {
-            let kind = "colours of corners are replaced by their mean";
-            assembly.reporter.warn(path, 0, kind, String::new)?;
-            let diffuse = Colour::Constant(mean(&mesh.mesh.colours));
+            let diffuse = Colour::Corners { texture: None, scale: Rgb::ONE };
             assembly.add_material(Material { name: String::from("colours"), diffuse, ..Material::default() })?
         }
     };
     request.add(path, None, mesh, material, lines, assembly)
-}
-
-fn mean(colours: &[Rgb]) -> Rgb {
-    let sum = colours.iter().fold(DVec3::ZERO, |sum, c| sum + c.as_dvec3());
-    (sum / colours.len() as f64).as_vec3()
 }
 
 /// Returns the message for a file in which nothing can be drawn.
@@ -89,7 +82,8 @@ fn nothing(header: &Header, vertices: usize, faces: usize) -> String {
     if faces > 0 {
         return format!("has no triangles: none of its faces ({faces}) can be drawn; see the corners they name");
     }
-    let names: Vec<&str> = header.elements.iter().map(|e| e.name.as_str()).filter(|&n| n != "vertex").take(5).collect();
+    let names = header.elements.iter().map(|e| e.name.chars().take(40).collect::<String>());
+    let names: Vec<String> = names.filter(|n| n != "vertex").take(5).collect();
     if names.is_empty() || names == ["face"] {
         format!("has no triangles: it holds {vertices} points and no face; make a mesh of the points first")
     } else {

@@ -2,22 +2,35 @@
 
 use glam::{DVec2, DVec3};
 
-use super::surface::equirectangular;
+use super::surface::{Surface, equirectangular};
 use crate::scene::map::turned_back;
-use crate::scene::{Beyond, Colour, Environment, Scene};
+use crate::scene::{Beyond, Colour, Environment, Interface, Scene};
 
-/// Returns the colour of a surface at `point` with texture coordinates `uv`.
-pub(super) fn on_surface(scene: &Scene, colour: &Colour, point: DVec3, uv: DVec2) -> DVec3 {
+/// Returns the colour of a surface.
+pub(super) fn on_surface(scene: &Scene, colour: &Colour, at: &Surface) -> DVec3 {
+    let (point, uv) = (at.point, at.uv);
     match colour {
         Colour::Constant(rgb) => rgb.as_dvec3(),
-        Colour::Image { texture, scale } => {
-            scene.textures[*texture as usize].lookup(uv.x, uv.y, Beyond::Repeat) * scale.as_dvec3()
+        Colour::Image { texture, scale } => scene.textures[*texture as usize].on_surface(uv.x, uv.y) * scale.as_dvec3(),
+        Colour::Corners { texture, scale } => {
+            let picture = texture.map_or(DVec3::ONE, |t| scene.textures[t as usize].on_surface(uv.x, uv.y));
+            at.colour * picture * scale.as_dvec3()
         }
         Colour::Checker { even, odd, size, offset } => {
             let cube = ((point - offset.as_dvec3()) / f64::from(*size)).floor();
             let parity = (cube.x + cube.y + cube.z).rem_euclid(2.0);
             if parity == 0.0 { even.as_dvec3() } else { odd.as_dvec3() }
         }
+    }
+}
+
+/// Returns the share that a surface with texture coordinates `uv` covers: below 1 only for [`Interface::Alpha`].
+pub(super) fn opacity(scene: &Scene, interface: &Interface, uv: DVec2) -> f64 {
+    match *interface {
+        Interface::Alpha { opacity, mask } => {
+            f64::from(opacity) * mask.map_or(1.0, |mask| scene.textures[mask as usize].on_surface(uv.x, uv.y).x)
+        }
+        _ => 1.0,
     }
 }
 

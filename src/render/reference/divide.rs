@@ -126,9 +126,9 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                 self.base(at, transmission.share);
                 self.reflected(at, reflection);
             }
-            Interface::Alpha { opacity } => {
-                let (absorbed, transmitted) =
-                    (DVec3::splat(f64::from(opacity)), DVec3::splat(1.0 - f64::from(opacity)));
+            Interface::Alpha { .. } => {
+                let opacity = colour::opacity(prepared.scene, &at.material.interface, at.surface.uv);
+                let (absorbed, transmitted) = (DVec3::splat(opacity), DVec3::splat(1.0 - opacity));
                 self.split(at, Split { transmitted, absorbed, ..Split::OPAQUE });
                 self.base(at, absorbed);
                 self.straight(at, Lobe { share: transmitted, polarisation: at.before });

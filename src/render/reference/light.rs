@@ -1,21 +1,24 @@
 //! Direct light of lamps at a point, and its occlusion.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
 use super::super::place::{ContactPoint, Layer, Through, governing};
+use super::super::shine::{Around, Emitters};
 use super::super::unmatched::UnmatchedExits;
 use super::media::{MediumStack, Transition};
 use super::polarisation::Polarisation;
 use super::split::{Lobes, at_boundary, at_pane};
-use super::{Prepared, surface};
+use super::surface::Surface;
+use super::trace::Arrival;
+use super::{Prepared, colour, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{Boundary, FresnelModel, transmittance};
-use crate::scene::{Falloff, Interface, Light, LightKind, MOST_PASSES, ShadowRule, Spread};
+use crate::scene::{Falloff, Interface, Light, LightKind, MOST_PASSES, Scene, ShadowRule, Spread};
 
 /// Light that arrives at a point without occlusion.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +65,28 @@ impl Arriving {
         let highlight = light.intensity.as_dvec3() * factor;
         let diffuse = if physical { highlight / std::f64::consts::PI } else { highlight };
         Self { towards, distance, diffuse, highlight }
+    }
+
+    /// Computes the light of all emissive shapes from the sample `of` of the unit cube.
+    pub fn from_shapes(emitters: &Emitters, at: &Arrival, of: [f32; 3]) -> Option<Self> {
+        // The picks depend on a point near the surface, not on the direction in which the ray will leave it.
+        let point = at.surface.start(at.geometric);
+        let glint = emitters.sample::<f64>(point.into(), (point, at.shading), of)?;
+        let light = DVec3::from(glint.light);
+        Some(Self {
+            towards: glint.dir.into(),
+            distance: glint.distance,
+            diffuse: light / std::f64::consts::PI,
+            highlight: light,
+        })
+    }
+
+    /// Computes the light of the environment from the sample `of` of the unit cube. It makes no highlights.
+    pub fn from_around(around: &Around, scene: &Scene, at: &Arrival, of: [f32; 3]) -> Self {
+        let ray = around.sample::<f64>(at.shading.into(), of, DVec3::from);
+        let towards = DVec3::from(ray.dir);
+        let light = colour::of_environment(scene, towards) * ray.solid;
+        Self { towards, distance: f64::INFINITY, diffuse: light / std::f64::consts::PI, highlight: DVec3::ZERO }
     }
 }
 
@@ -171,7 +196,7 @@ fn march(
         reached = crossing.t;
         let id = (crossing.geometry, crossing.primitive);
         match ContactPoint::met(scene, contacts, id, [ray.origin, ray.dir], crossing.point) {
-            None => light.cross_face(crossing.geometry, crossing.outward),
+            None => light.cross_face(crossing.geometry, crossing.outward, crossing.uv),
             Some(place) => {
                 let (sides, apart) = place.sides(ray.dir);
                 crossed = (sides, crossing.t + apart / (crossing.cos * ray.dir.length()));
@@ -210,7 +235,10 @@ impl Marched<'_> {
         let mut place = place;
         while let Some(here) = place {
             match here.layer() {
-                Layer::Alone(face) => self.cross_face(face.object, face.outward(here.point())),
+                Layer::Alone(face) => {
+                    let uv = Surface::on_face(scene, self.ray, face, here.point(), 0.0).uv;
+                    self.cross_face(face.object, face.outward(here.point()), uv);
+                }
                 Layer::Media(faces) => {
                     let outside = |face: &Face| here.is_outside(face, self.ray.dir);
                     let body = |object| self.prepared.bodies.of_object(object);
@@ -250,7 +278,7 @@ impl Marched<'_> {
     }
 
     /// Crosses one surface.
-    fn cross_face(&mut self, object: u32, outward: DVec3) {
+    fn cross_face(&mut self, object: u32, outward: DVec3, uv: DVec2) {
         let filled = self.prepared.filled();
         match self.prepared.material(object).interface {
             Interface::Dielectric { .. } => {
@@ -266,7 +294,7 @@ impl Marched<'_> {
                 self.share *= transmission.share * tint.as_dvec3();
                 self.carried = transmission.polarisation;
             }
-            Interface::Alpha { opacity } => self.share *= 1.0 - f64::from(opacity),
+            ref cover @ Interface::Alpha { .. } => self.share *= 1.0 - colour::opacity(self.prepared.scene, cover, uv),
             // Opaque surfaces only arrive here with a wrong geometry mask. They block the light.
             Interface::Opaque | Interface::Mirror { .. } | Interface::Conductor { .. } | Interface::Coated { .. } => {
                 self.share = DVec3::ZERO;

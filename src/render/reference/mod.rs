@@ -33,6 +33,7 @@ use super::maps::{Taken, Taker};
 use super::pattern::LampPoints;
 use super::planar::{self, PlanarCounts};
 use super::record::{Off, Recorder, Tree};
+use super::shine::Shine;
 use super::{FilmRay, Limit, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
 use crate::accel::BuildStats;
 use crate::accel::reference::{Hit64, Ray64, Reference};
@@ -88,6 +89,8 @@ pub struct Prepared<'a> {
     stack: MediumStack,
     /// Sample points on area lamps.
     points: LampPoints,
+    /// Sources beside lamps that light surfaces.
+    shine: Shine,
     /// Wavelengths of a pixel's samples.
     spectrum: Spectrum,
 }
@@ -140,6 +143,7 @@ impl<'a> Prepared<'a> {
             max_depth: settings.max_depth,
             stack,
             points,
+            shine: Shine::of(scene),
             spectrum,
         }
     }

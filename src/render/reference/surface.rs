@@ -6,6 +6,7 @@ use crate::accel::reference::{Hit64, Ray64, Reference};
 use crate::geometry::Shape;
 use crate::geometry::contact::Face;
 use crate::geometry::sphere::normal;
+use crate::render::relief::embossed;
 use crate::scene::Scene;
 
 /// Bound on the error of a surface point, in units of `f64::EPSILON` and of the largest coordinate involved. It covers
@@ -30,6 +31,8 @@ pub(super) struct Surface {
     pub interpolated: Option<DVec3>,
     /// Texture coordinates, as [`crate::scene::Colour::Image`] defines them.
     pub uv: DVec2,
+    /// Colour between the corners; white where the mesh has none.
+    pub colour: DVec3,
 }
 
 impl Surface {
@@ -46,8 +49,15 @@ impl Surface {
                     let [a, b, c] = n.map(|n| n.as_dvec3());
                     (a * w + b * u + c * v).try_normalize()
                 });
+                let plain = interpolated.or(outward);
+                let interpolated =
+                    plain.and_then(|n| embossed(scene, hit.geometry, hit.primitive, [u, v], n)).or(interpolated);
                 let uv = mesh.corner_uvs(i).map_or(DVec2::ZERO, |uv| {
                     let [a, b, c] = uv.map(|uv| uv.as_dvec2());
+                    a * w + b * u + c * v
+                });
+                let colour = mesh.corner_colours(i).map_or(DVec3::ONE, |colours| {
+                    let [a, b, c] = colours.map(|c| c.as_dvec3());
                     a * w + b * u + c * v
                 });
                 Self {
@@ -57,6 +67,7 @@ impl Surface {
                     outward: outward.unwrap_or_else(|| -ray.dir.normalize()),
                     interpolated,
                     uv,
+                    colour,
                 }
             }
             Shape::Sphere(sphere) => {
@@ -70,6 +81,7 @@ impl Surface {
                     outward,
                     interpolated: None,
                     uv: equirectangular(outward),
+                    colour: DVec3::ONE,
                 }
             }
             Shape::Plane(plane) => {
@@ -81,7 +93,7 @@ impl Surface {
                 let left = outward.dot(once - foot);
                 let point = once - outward * left;
                 let clearance = clearance([point, foot, DVec3::splat(left)]);
-                Self { point, clearance, outward, interpolated: None, uv: DVec2::ZERO }
+                Self { point, clearance, outward, interpolated: None, uv: DVec2::ZERO, colour: DVec3::ONE }
             }
         }
     }
@@ -130,6 +142,8 @@ pub(super) struct Crossing {
     pub cos: f64,
     /// Unit normal of the surface, on the outside.
     pub outward: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
 }
 
 /// Returns every surface along `ray`, in order. At an edge or corner shared by triangles of one mesh the surface counts
@@ -141,7 +155,7 @@ pub(super) fn crossings(scene: &Scene, accel: &Reference, ray: &Ray64) -> Vec<Cr
         let along = surface.outward.dot(ray.dir) / ray.dir.length();
         let (front, cos, outward) = (along < 0.0, along.abs(), surface.outward);
         let (geometry, primitive, point) = (hit.geometry, hit.primitive, surface.point);
-        let crossing = Crossing { t: hit.t, geometry, primitive, point, front, cos, outward };
+        let crossing = Crossing { t: hit.t, geometry, primitive, point, front, cos, outward, uv: surface.uv };
         let same_place = surface.clearance / (along.abs() * ray.dir.length());
         let again = found.iter().rev().take_while(|o| crossing.t - o.t <= same_place);
         if !again.clone().any(|o| o.geometry == crossing.geometry && o.front == crossing.front) {

@@ -6,7 +6,7 @@ use super::lobes::{Lobe, Lobes, Optics};
 use super::{WHITE, gather_boundaries, reflected, straight_on};
 use crate::optics::{Boundary, Crossing, reflect};
 use crate::scene::{Interface, Rgb};
-use crate::simd::F32x8;
+use crate::simd::{F32x8, Vec3x8};
 
 /// Shades panes; both faces count as one surface.
 pub(super) fn thin<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
@@ -39,8 +39,10 @@ pub(super) fn coated<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8]
 /// Shades covers with holes.
 pub(super) fn alpha<O: Optics>(shading: &mut Shading, surfaces: &mut [Surface8], depth: usize) {
     for surface in surfaces {
-        let opacity =
-            shading.colours(surface, |i| Rgb::splat(if let Interface::Alpha { opacity } = i { *opacity } else { 1.0 }));
+        let mut opacity = Vec3x8::splat(Rgb::ONE);
+        for k in 0..8 {
+            opacity.set_lane(k, Rgb::splat(surface.opacity(shading.scene, k)));
+        }
         surface.base_weight = surface.weight.times(opacity);
         let before = O::arriving(shading, surface, surface.shading);
         straight_on::<O>(shading, surface, surface.active, surface.weight.times(WHITE - opacity), &before, depth);

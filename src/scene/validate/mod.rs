@@ -3,7 +3,7 @@
 mod error;
 mod shape;
 
-pub use error::{Part, Place, SceneError};
+pub use error::{Part, SceneEntry, SceneError};
 
 use std::fmt::Display;
 
@@ -78,12 +78,42 @@ impl Scene {
                 check.index("the texture of diffuse", *texture, self.textures.len());
                 check.light("the scale of diffuse", *scale);
             }
+            Colour::Corners { texture, scale } => {
+                if let Some(texture) = texture {
+                    check.index("the texture of diffuse", *texture, self.textures.len());
+                }
+                check.light("the scale of diffuse", *scale);
+            }
             Colour::Checker { even, odd, size, offset } => {
                 check.share("the even colour of diffuse", *even);
                 check.share("the odd colour of diffuse", *odd);
                 check.that(*size > 0.0 && size.is_finite(), "the size of diffuse", size, "finite and above 0");
                 check.place("the offset of diffuse", *offset);
             }
+        }
+        match &material.glow {
+            None => {}
+            Some(Colour::Constant(colour)) => check.light("glow", *colour),
+            Some(Colour::Image { texture, scale }) => {
+                check.index("the texture of glow", *texture, self.textures.len());
+                check.light("the scale of glow", *scale);
+            }
+            Some(Colour::Corners { texture, scale }) => {
+                if let Some(texture) = texture {
+                    check.index("the texture of glow", *texture, self.textures.len());
+                }
+                check.light("the scale of glow", *scale);
+            }
+            Some(Colour::Checker { even, odd, size, offset }) => {
+                check.light("the even colour of glow", *even);
+                check.light("the odd colour of glow", *odd);
+                check.that(*size > 0.0 && size.is_finite(), "the size of glow", size, "finite and above 0");
+                check.place("the offset of glow", *offset);
+            }
+        }
+        if let Some(relief) = material.relief {
+            check.index("the texture of relief", relief.texture, self.textures.len());
+            check.that(relief.strength.is_finite(), "the strength of relief", relief.strength, "finite");
         }
         if let Some(highlight) = &material.highlight {
             check.light("the colour of the highlight", highlight.colour);
@@ -112,8 +142,11 @@ impl Scene {
                 check.split(rule, tint);
             }
             Interface::Coated { ior } => check.ior("ior", f64::from(ior)),
-            Interface::Alpha { opacity } => {
+            Interface::Alpha { opacity, mask } => {
                 check.that((0.0..=1.0).contains(&opacity), "opacity", opacity, "from 0 to 1");
+                if let Some(mask) = mask {
+                    check.index("mask", mask, self.textures.len());
+                }
             }
         }
     }
@@ -207,8 +240,8 @@ fn texture(check: &mut Check<'_>, texture: &Texture) {
     check.that(width > 0 && height > 0, "its size", format_args!("{width} by {height}"), "at least 1 by 1");
     let wanted = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
     check.length("pixels", pixels.len(), wanted);
-    if let Some(bad) = pixels.iter().find(|p| !within(**p, 0.0, f32::MAX)) {
-        check.light("a pixel", *bad);
+    if let Some(bad) = pixels.iter().find(|p| !within(*p, 0.0, f32::MAX)) {
+        check.light("a pixel", bad);
     }
 }
 
@@ -250,8 +283,8 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn fails(&mut self, error: impl FnOnce(Place) -> SceneError) {
-        let place = Place { part: self.part, index: self.index, name: self.name.to_owned() };
+    fn fails(&mut self, error: impl FnOnce(SceneEntry) -> SceneError) {
+        let place = SceneEntry { part: self.part, index: self.index, name: self.name.to_owned() };
         self.errors.0.push(error(place));
     }
 

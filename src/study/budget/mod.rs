@@ -16,10 +16,10 @@ use super::axis::{Axis, Level, Precision};
 use super::plan;
 use super::reference;
 use super::variant::Variant;
+use crate::error::{Result, Unsupported};
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Observer, Reflection};
 use crate::scene::Scene;
-use crate::{Error, Result};
 use quick::{Judged, Quick};
 
 /// Share of the allowed error that the small picture may use, since it has fewer pixels that could be wrong.
@@ -123,7 +123,7 @@ struct Predicted {
 /// # Errors
 /// - `Error::Interrupted` if the observer requests a stop.
 /// - `Error::Limit` if the default back end is not available.
-/// - `Error::Usage` if `f32` cannot represent the bound.
+/// - `Error::Unsupported` if `f32` cannot represent the bound.
 pub fn choose(
     scene: &Scene,
     default: &Variant,
@@ -222,17 +222,13 @@ pub fn choose(
 }
 
 /// # Errors
-/// Returns `Error::Usage` if rounding the picture's brightest value exceeds the bound.
+/// Returns `Error::Unsupported` if rounding the picture's brightest value exceeds the bound.
 fn refuse_what_f32_cannot_hold(bound: f64, brightest: f64) -> Result<()> {
     let rounding = brightest * f64::from(f32::EPSILON) / 2.0;
     if bound >= rounding {
         return Ok(());
     }
-    Err(Error::Usage(format!(
-        "--max-error {bound:e}: cannot be kept: pictures hold f32 values, which rounds the brightest of this scene \
-         ({brightest:.3}) by up to {rounding:.1e}; take a bound of at least {:.0e}",
-        2.0 * rounding
-    )))
+    Err(Unsupported::BoundBelowRounding { bound, brightest, rounding }.into())
 }
 
 /// Renders the most promising combinations beside those in `tried`, whose first entry is the base. `slower` is the

@@ -14,9 +14,9 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::errors::{Errors, off};
-use super::variant::quoted;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::image::Film;
+use crate::measure::shell::quoted;
 use crate::measure::{Figure, Machine};
 use crate::render::{Observer, Options, Outcome, first_hits, render};
 use crate::scene::Scene;

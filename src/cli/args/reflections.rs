@@ -1,4 +1,4 @@
-//! `vitrum price --reflections`, as typed.
+//! Argument that selects `vitrum price --reflections`.
 
 use clap::Args;
 
