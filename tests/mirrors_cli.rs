@@ -195,7 +195,7 @@ fn mirror_levels_have_a_range_and_do_not_depend_on_threads() {
         let output = run(folder.path(), &line);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        json["mirrors"]["levels"].to_string()
+        json["systems"]["mirrors"]["levels"].to_string()
     };
     let one = systems(1);
     assert!(one.contains("mean_weight"), "{one}");

@@ -204,7 +204,9 @@ mod tests {
         let curves = curves(1, &Observer::default()).unwrap();
         for line in &curves.maps {
             let (first, last) = (line.errors[1], line.errors[DISTANCES.len() - 1]);
-            assert!(last < 0.5 * first, "{}: {:?}", line.name, line.errors);
+            // The box is right for this room at any distance, but for the blur of the lookup.
+            let falls = if line.name == "cube map, box" { last < 0.03 && first < 0.03 } else { last < 0.5 * first };
+            assert!(falls, "{}: {:?}", line.name, line.errors);
         }
         let [none, boxed] = [0, 1].map(|i| curves.maps[i].errors[2]);
         assert!(boxed < none, "a box in a room of this shape: {boxed} and {none}");
