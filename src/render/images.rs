@@ -66,8 +66,8 @@ impl Virtual {
                 scene.objects[*object as usize].name
             )));
         }
-        let build =
-            |image: &crate::systems::images::Image| Native::try_build_as(&image.geometry, BuildQuality::Default);
+        // A hierarchy of one picture: a quick build costs less than it saves.
+        let build = |image: &crate::systems::images::Image| Native::try_build_as(&image.geometry, BuildQuality::Fast);
         let accels = images.list.iter().map(build).collect::<Result<_>>()?;
         Ok(Self { images, accels })
     }

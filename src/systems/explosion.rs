@@ -28,7 +28,7 @@ const HALVINGS: usize = 10;
 const CLOSE: f64 = 1e-9;
 
 /// Places from which reflection points of a concave side are looked for.
-const STARTS: usize = 12;
+const STARTS: usize = 8;
 
 /// In place of the number of a triangle.
 const NONE: u32 = u32::MAX;

@@ -227,3 +227,16 @@ fn a_picture_of_the_wrong_shape_is_no_map() {
         assert!(told.contains(&format!("vitrum map --kind {kind}")), "{told}");
     }
 }
+
+#[test]
+fn a_map_from_inside_a_body_is_that_of_its_place_without_it() {
+    // Coloured glass takes nothing from what its own map shows.
+    let mut scene = ball_in_room(3.0);
+    let dark = glass(&mut scene, 1.7, 0, Rgb::splat(9.0));
+    scene.objects[0].material = dark;
+    for (name, outcome) in outcomes(&scene, &by(Reflection::CubeMap, Proxy::None)) {
+        let maps = outcome.maps.expect("it was asked for").maps;
+        let seen = maps.list[0].picture.pixels[0];
+        assert!(seen.max_element() > 0.09, "{name}: {seen}");
+    }
+}

@@ -12,6 +12,13 @@ use crate::scene::{Bodies, MOST_PASSES, Medium, Scene};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MediumStack(Vec<u32>);
 
+impl MediumStack {
+    /// Removes a body, however often it was entered.
+    pub fn remove(&mut self, body: u32) {
+        self.0.retain(|&other| other != body);
+    }
+}
+
 /// Effect of a dielectric surface on a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Transition {

@@ -113,7 +113,10 @@ impl<'a> Prepared<'a> {
         let accel = Reference::build(&scene.geometry);
         let bodies = Bodies::of(scene);
         let (contacts, touching) = super::contacts(scene, options);
-        let stack = media::around_the_eye(scene, &accel, Filled { media: &scene.media, bodies: &bodies });
+        let mut stack = media::around_the_eye(scene, &accel, Filled { media: &scene.media, bodies: &bodies });
+        if let Some(passed) = options.past.and_then(|object| bodies.of_object(object)) {
+            stack.remove(passed);
+        }
         let settings = &scene.settings;
         let points = LampPoints::new(&settings.lamps);
         let spectrum = Spectrum::new(settings.wavelengths, settings.samples);

@@ -96,6 +96,8 @@ const NOTED_OLIVEIRA: [(Oliveira, Option<Degrees>, Option<Degrees>); 5] = [
 /// Returns all formulas of the renderer, and Oliveira's with further constants.
 fn models() -> Vec<RefractionModel> {
     let mut models = RefractionModel::compared();
+    // These bend by the stable form.
+    models.retain(|model| !matches!(model, RefractionModel::MapOne | RefractionModel::MapTwo));
     models.extend(FIRST_ORDER.map(RefractionModel::Oliveira));
     models
 }

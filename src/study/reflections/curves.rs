@@ -21,7 +21,7 @@ use crate::systems::maps::Proxy;
 pub const DISTANCES: [f32; 10] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0];
 
 /// Largest angles of the pieces of a virtual scene, in radians.
-pub const PIECES: [f64; 4] = [0.16, 0.08, 0.04, 0.02];
+pub const PIECES: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
 
 /// Bins of the angle of incidence, in degrees.
 const BIN: usize = 15;
@@ -204,7 +204,9 @@ mod tests {
         let curves = curves(1, &Observer::default()).unwrap();
         for line in &curves.maps {
             let (first, last) = (line.errors[1], line.errors[DISTANCES.len() - 1]);
-            assert!(last < 0.5 * first, "{}: {:?}", line.name, line.errors);
+            // The box is right for this room at any distance, but for the blur of the lookup.
+            let falls = if line.name == "cube map, box" { last < 0.03 && first < 0.03 } else { last < 0.5 * first };
+            assert!(falls, "{}: {:?}", line.name, line.errors);
         }
         let [none, boxed] = [0, 1].map(|i| curves.maps[i].errors[2]);
         assert!(boxed < none, "a box in a room of this shape: {boxed} and {none}");

@@ -9,7 +9,7 @@ pub use curves::{Curves, curves};
 pub use page::page;
 
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -28,6 +28,12 @@ const EDGE: f64 = 0.05;
 
 /// Objects that a row names as the places of its error.
 const PLACES: usize = 3;
+
+/// Rounds of a row that are timed even if they take long.
+const FEWEST_ROUNDS: usize = 3;
+
+/// Time of a row's rounds after which no further one begins.
+const ENOUGH: Duration = Duration::from_secs(6);
 
 /// One system on one scene.
 #[derive(Clone, Debug, Serialize)]
@@ -109,7 +115,11 @@ pub fn row(system: &System, scene: &Scene, file: &str, plan: &Plan, observer: &O
     // The first round warms up and is not counted.
     let ((outcome, _), (traced, _)) = (timed(&options)?, timed(&plain)?);
     let (mut ratios, mut seconds) = (Vec::new(), Vec::new());
+    let start = Instant::now();
     for round in 0..plan.runs.max(1) {
+        if round >= FEWEST_ROUNDS && start.elapsed() > ENOUGH {
+            break;
+        }
         if observer.stop.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
@@ -126,7 +136,8 @@ pub fn row(system: &System, scene: &Scene, file: &str, plan: &Plan, observer: &O
     }
     let (ratio, traced_seconds) = (Figure::of(&ratios), Figure::of(&seconds).median);
     let taken = [&outcome.maps, &outcome.body_maps].into_iter().flatten().map(|maps| maps.time.as_secs_f64());
-    let capture = (taken.sum::<f64>() / (ratio.median * traced_seconds)).min(1.0);
+    let taken = taken.fold(0.0, |sum, seconds| sum + seconds);
+    let capture = (taken / (ratio.median * traced_seconds)).min(1.0);
     let errors = Errors::of(&outcome.film, &traced.film, None)?;
     let (at_edges, places) = places(&scene, &accel, &outcome.film, &traced.film)?;
     let [width, height] = plan.size;
