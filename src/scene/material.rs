@@ -39,7 +39,7 @@ pub struct Material {
     pub diffuse: Colour,
     /// Highlight of each light around its mirror direction.
     pub highlight: Option<Highlight>,
-    /// Emitted radiance; visible, but not a light source.
+    /// Emitted radiance. It lights other surfaces where the setting [`super::LightsFrom`] says so.
     pub emission: Rgb,
     /// Emission that varies over the surface; `emission` is then its mean.
     pub glow: Option<Colour>,

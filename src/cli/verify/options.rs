@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::args::VerifyArgs;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::VerifyArgs;
 use crate::cli::choice::PathArg;
 use crate::cli::options::choices::no_hierarchy;
 use crate::error::{Error, Result, Unavailable};
@@ -14,7 +14,7 @@ use crate::trial::verify::{self, Group};
 pub(in crate::cli) struct Verify {
     /// Scene to test; `None` for the built-in cases.
     pub scene: Option<PathBuf>,
-    pub plan: verify::Plan,
+    pub plan: verify::VerifyPlan,
     pub native: bool,
     /// True to test both modes of Embree, if it is compiled in.
     pub embree: bool,
@@ -59,7 +59,7 @@ impl TryFrom<VerifyArgs> for Verify {
         }
         Ok(Self {
             scene: args.scene,
-            plan: verify::Plan { groups, full: args.full, rays: None },
+            plan: verify::VerifyPlan { groups, full: args.full, rays: None },
             native: args.backend.contains(&PathArg::Native),
             embree,
             bvh: args.bvh.unwrap_or_default(),

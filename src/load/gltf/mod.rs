@@ -2,8 +2,8 @@
 //!
 //! `gltf-json`, the part of the crate `gltf` that knows the format's fields, reads the text. Extensions are read from
 //! their raw JSON, for it knows half of those that matter here. The rest of that crate is not used. Without its
-//! validation it panics on indices out of range; with it, it refuses files for faults that change no picture; and its
-//! reader of binary files subtracts the header from a length that may be smaller. So every index and every range of
+//! validation it panics on indices out of range. With it, it refuses files for faults that change no picture. Its reader of
+//! binary files subtracts the header from a length that may be smaller. So every index and every range of
 //! bytes is checked here (`accessor`, `document`).
 
 mod accessor;

@@ -1,8 +1,8 @@
 //! Reader of PLY models (Turk 1994, "The PLY Polygon File Format"): ASCII and binary of both byte orders.
 //!
 //! The scanner is our own. The crate that reads this format, `ply-rs-bw` 4.0.1, fails the whole file for one word that
-//! is no number, keeps one of two properties of the same name and so misreads all that follows, and repeats an entry
-//! without properties as often as the header says.
+//! is no number. It keeps one of two properties of the same name, and so misreads everything behind them. It repeats an
+//! entry without properties as often as the header says.
 
 mod header;
 mod numbers;

@@ -3,7 +3,7 @@
 mod error;
 mod shape;
 
-pub use error::{Part, Place, SceneError};
+pub use error::{Part, SceneEntry, SceneError};
 
 use std::fmt::Display;
 
@@ -283,8 +283,8 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn fails(&mut self, error: impl FnOnce(Place) -> SceneError) {
-        let place = Place { part: self.part, index: self.index, name: self.name.to_owned() };
+    fn fails(&mut self, error: impl FnOnce(SceneEntry) -> SceneError) {
+        let place = SceneEntry { part: self.part, index: self.index, name: self.name.to_owned() };
         self.errors.0.push(error(place));
     }
 

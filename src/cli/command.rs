@@ -1,30 +1,20 @@
-//! Commands, and flags that several commands share. Each value is validated here; combinations of values are in
-//! [`super::options`].
-
-pub(super) mod effects;
-pub(super) mod numbers;
-pub(super) mod optics;
-pub(super) mod settings;
-pub(super) mod strict;
+//! The command line as a whole: its commands, each with its arguments.
 
 use std::sync::LazyLock;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 
-pub(super) use super::bench::args::BenchArgs;
-pub(super) use super::compare::args::CompareArgs;
-pub(super) use super::explain::args::ExplainArgs;
-pub(super) use super::map::args::MapArgs;
-pub(super) use super::parity::args::ParityArgs;
-pub(super) use super::pixel::args::PixelArgs;
-pub(super) use super::price::args::PriceArgs;
-pub(super) use super::render::args::RenderArgs;
-pub(super) use super::verify::args::VerifyArgs;
+use super::bench::args::BenchArgs;
+use super::compare::args::CompareArgs;
+use super::doctor::DoctorArgs;
+use super::explain::args::ExplainArgs;
+use super::map::args::MapArgs;
+use super::parity::args::ParityArgs;
+use super::pixel::args::PixelArgs;
+use super::price::args::PriceArgs;
+use super::render::args::RenderArgs;
+use super::verify::args::VerifyArgs;
 use crate::simd::level;
-pub(super) use effects::EffectArgs;
-pub(super) use optics::OpticsArgs;
-pub(super) use settings::SettingsArgs;
-pub(super) use strict::StrictArg;
 
 static VERSION: LazyLock<String> = LazyLock::new(|| format!("{} ({})", env!("CARGO_PKG_VERSION"), level::BUILT));
 
@@ -57,19 +47,6 @@ pub(super) enum Command {
     Pixel(PixelArgs),
     Map(MapArgs),
     Doctor(DoctorArgs),
-}
-
-/// Say what this machine and this build can do, and what is missing.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
-  vitrum doctor
-  vitrum doctor --json
-
-Exits 4 when this binary cannot run here.")]
-pub(super) struct DoctorArgs {
-    /// Print the findings as JSON
-    #[arg(long)]
-    pub json: bool,
 }
 
 #[cfg(test)]
