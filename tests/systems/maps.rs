@@ -236,7 +236,7 @@ fn a_map_from_inside_a_body_is_that_of_its_place_without_it() {
     scene.objects[0].material = dark;
     for (name, outcome) in outcomes(&scene, &by(Reflection::CubeMap, Proxy::None)) {
         let maps = outcome.maps.expect("it was asked for").maps;
-        let seen = maps.list[0].picture.pixels[0];
+        let seen = maps.list[0].picture.pixels.get(0);
         assert!(seen.max_element() > 0.09, "{name}: {seen}");
     }
 }
