@@ -65,12 +65,12 @@
 //! | [`optics`] | reflection, refraction, Fresnel equations, absorption, dispersion: functions of numbers |
 //! | [`accel`] | the 8-wide hierarchy, Embree (feature `embree`), the `f64` arbiter |
 //! | [`scene`] | the scene: materials, media, lights, camera, settings |
-//! | [`effects`] | what a scene calls for, and why |
+//! | [`effects`] | the effects that a scene needs, with reasons |
 //! | [`image`] | films, and PNG, OpenEXR, HDR and PFM files |
 //! | [`load`] | scene files (TOML), OBJ with MTL, built-in shapes |
 //! | [`render`] | the renderers in eight lanes and in `f64` |
 //! | [`notices`] | warnings about a scene and its picture |
-//! | [`trial`], [`study`] | back ends side by side; what accuracy costs |
+//! | [`trial`], [`study`] | comparison of back ends; cost of accuracy |
 //! | [`error`], [`system`], [`choice`](mod@choice) | the error type; limits of the machine; settings with named levels |
 //!
 //! # Building

@@ -162,8 +162,21 @@ fn every_file_is_short_enough_to_be_read_at_once() {
 }
 
 /// Folders of `src` in which no file or folder may import, through others, itself.
-const WITHOUT_CYCLES: &[&str] =
-    &["accel/embree", "accel/native", "cli", "geometry", "image", "math", "measure", "optics", "simd", "system"];
+const WITHOUT_CYCLES: &[&str] = &[
+    "accel/embree",
+    "accel/native",
+    "cli",
+    "geometry",
+    "image",
+    "math",
+    "measure",
+    "optics",
+    "simd",
+    "study/budget",
+    "study/formulas",
+    "system",
+    "trial",
+];
 
 /// The modules, as names from the crate's root, of all paths in some code that begin with `crate`, `self`, `super` or a
 /// module that the file declares. `here` is the file's own module.
@@ -388,6 +401,32 @@ fn documentation_names_its_subject_in_short_sentences() {
     assert!(wrong.is_empty(), "{} faults:\n{}", wrong.len(), wrong.join("\n"));
 }
 
+/// The sentences of the texts behind the options in a command's help. Examples and tables are left out: their lines begin
+/// with two spaces, or have them between columns.
+fn sentences_of_help(text: &str) -> Vec<String> {
+    let mut all = Vec::new();
+    for help in text.split("after_help = \"").skip(1).filter_map(|rest| rest.split_once("\")]")) {
+        let paragraphs = help.0.split('\n').map(|line| if line.trim_end().contains("  ") { "" } else { line });
+        for paragraph in paragraphs.collect::<Vec<_>>().split(|line| line.is_empty()).filter(|lines| !lines.is_empty())
+        {
+            all.extend(sentences(&paragraph.join(" ")).into_iter().map(str::to_owned));
+        }
+    }
+    all
+}
+
+#[test]
+fn help_is_in_short_sentences() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/cli");
+    let mut files = Vec::new();
+    rust_files(&src, &mut files);
+    let texts = files.iter().map(|file| std::fs::read_to_string(file).expect("source can be read"));
+    let all: Vec<String> = texts.flat_map(|text| sentences_of_help(&text)).collect();
+    assert!(all.len() > 30, "{} sentences only", all.len());
+    let long: Vec<&String> = all.iter().filter(|s| s.split_whitespace().count() > MOST_WORDS).collect();
+    assert!(long.is_empty(), "{long:#?}");
+}
+
 #[test]
 fn faults_of_prose_are_found() {
     let long = ["word"; MOST_WORDS].join(" ");
@@ -396,6 +435,8 @@ fn faults_of_prose_are_found() {
     assert_eq!(of(&format!("//! One {long}\n//! two.")), [2]);
     assert_eq!(of(&format!("/// {long}.\n/// {long}.\nlet x;\n/// - {long}\n/// - {long}\n")), [0; 0]);
     assert_eq!(of(&format!("/// ```\n/// Which {long} {long}\n/// ```\nfn f() {{}}")), [0; 0]);
+    let help = "#[command(after_help = \"Examples:\n  vitrum a. b\n\nOne\ntwo. Three.\")]";
+    assert_eq!(sentences_of_help(help), ["Examples:", "One two.", "Three."]);
     assert_eq!(
         sentences("It ends (here). It does! `So.` 1.5 stays"),
         ["It ends (here).", "It does!", "`So.`", "1.5 stays"]

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use ::image::{DynamicImage, ImageFormat, ImageReader};
 
-use super::Limits;
+use super::limits::Limits;
 use super::samples::{Samples, Stored, code_of_16, code_of_share, light_of_codes, transfer};
 
 /// Returns the format of a file by its first bytes, with its name. TGA has none and is told by its header.

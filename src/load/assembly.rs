@@ -141,7 +141,10 @@ impl<'a> Assembly<'a> {
         let frame = Frame { origin: origin::choose(&extents, &bulks), unit_exponent };
         (self.scene.origin, self.scene.unit_exponent) = (frame.origin, unit_exponent);
         if unit_exponent != 0 {
-            self.scene.media.iter_mut().for_each(|m| m.absorption *= frame.unit() as f32);
+            for medium in &mut self.scene.media {
+                let absorption = medium.absorption.as_dvec3() * frame.unit();
+                medium.absorption = absorption.min(DVec3::splat(f64::from(f32::MAX))).as_vec3();
+            }
         }
         self.warn_of_losses(&shapes, &bulks, frame)?;
         for &(material, corner, size) in &self.checkers {

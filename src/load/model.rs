@@ -13,7 +13,7 @@ use super::origin::Frame;
 use super::request::Request;
 use super::transform::Transform;
 use super::{LoadOptions, Loaded};
-use crate::geometry::{Aabb, Shape};
+use crate::geometry::{Aabb, COORDINATE_LIMIT, Shape};
 use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb, Scene};
 use crate::{Error, Result};
 
@@ -38,12 +38,14 @@ pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result
     let extras = format.load(path, &request, &mut assembly)?;
     let frame = assembly.settle(None)?;
     let bounds = bounds(&assembly.scene);
-    assembly.scene.camera = match &extras.view {
-        Some(view) => placed(view, frame, &bounds),
-        None => fitted(&bounds),
-    };
-    let own = extras.lamps.iter().map(|lamp| light(lamp, frame)).collect::<Vec<_>>();
-    let camera = if extras.view.is_some() { "the model's camera" } else { "a camera fitted to the model" };
+    let view = extras.view.and_then(|view| placed(&view, frame, &bounds));
+    let camera = if view.is_some() { "the model's camera" } else { "a camera fitted to the model" };
+    assembly.scene.camera = view.unwrap_or_else(|| fitted(&bounds));
+    let own = extras.lamps.iter().filter_map(|lamp| light(lamp, frame)).collect::<Vec<_>>();
+    if own.len() < extras.lamps.len() {
+        let kind = "lights beyond the largest coordinate are left out";
+        assembly.reporter.warn(path, 0, kind, || format!(" ({} of them)", extras.lamps.len() - own.len()))?;
+    }
     let lit = if own.is_empty() { "a key light, two weak ones that leave no side black" } else { "the model's lights" };
     assembly.scene.lights = if own.is_empty() { lights(assembly.scene.camera.eye) } else { own };
     assembly.scene.environment = Environment::Gradient {
@@ -75,7 +77,8 @@ fn fitted(bounds: &Aabb) -> Camera {
 }
 
 /// Returns the camera of the model's file, whose target is as far as the middle of the model.
-fn placed(view: &View, frame: Frame, bounds: &Aabb) -> Camera {
+/// `None` beyond the largest coordinate.
+fn placed(view: &View, frame: Frame, bounds: &Aabb) -> Option<Camera> {
     let eye = frame.local(view.eye);
     let centre = (bounds.lo.as_dvec3() + bounds.hi.as_dvec3()) * 0.5;
     let distance = (centre - eye).length();
@@ -83,15 +86,24 @@ fn placed(view: &View, frame: Frame, bounds: &Aabb) -> Camera {
     let least = eye.abs().max_element().max(f64::MIN_POSITIVE) * 1e-2;
     let distance = if distance.is_finite() { distance.max(least) } else { least.max(1.0) };
     let projection = match view.projection {
-        Projection::Orthographic { height } => Projection::Orthographic { height: height / frame.unit() as f32 },
+        Projection::Orthographic { height } => {
+            let height = (f64::from(height) / frame.unit()) as f32;
+            Projection::Orthographic { height: Some(height).filter(|h| h.is_finite() && *h > 0.0)? }
+        }
         other => other,
     };
     let target = (eye + view.forward * distance).as_vec3();
-    Camera { eye: eye.as_vec3(), target, up: view.up, projection, medium: None }
+    let camera = Camera { eye: eye.as_vec3(), target, up: view.up, projection, medium: None };
+    (reachable(camera.eye) && reachable(target)).then_some(camera)
 }
 
-/// Returns a light of the model's file, in the scene's unit.
-fn light(lamp: &Lamp, frame: Frame) -> Light {
+/// Returns true if a place is within the largest coordinate.
+fn reachable(place: Vec3) -> bool {
+    place.abs().max_element() <= COORDINATE_LIMIT && place.is_finite()
+}
+
+/// Returns a light of the model's file, in the scene's unit; `None` beyond the largest coordinate.
+fn light(lamp: &Lamp, frame: Frame) -> Option<Light> {
     let local = |place| frame.local(place).as_vec3();
     let kind = match lamp.kind {
         LampKind::Distant { direction } => LightKind::Directional { direction },
@@ -101,17 +113,18 @@ fn light(lamp: &Lamp, frame: Frame) -> Light {
         }
     };
     // A radiant intensity gives an irradiance per square of the unit.
-    let unit = if matches!(kind, LightKind::Directional { .. }) { 1.0 } else { frame.unit() as f32 };
-    let intensity = lamp.intensity / (unit * unit);
-    Light { name: lamp.name.clone(), kind, intensity, falloff: Falloff::InverseSquare, shadows: true }
+    let unit = if matches!(kind, LightKind::Directional { .. }) { 1.0 } else { frame.unit() };
+    let intensity = (lamp.intensity.as_dvec3() / (unit * unit)).min(DVec3::splat(f64::from(f32::MAX))).as_vec3();
+    let there = kind.position().is_none_or(reachable);
+    there.then(|| Light { name: lamp.name.clone(), kind, intensity, falloff: Falloff::InverseSquare, shadows: true })
 }
 
 /// Direction of the key light: over the camera's left shoulder.
 const KEY: DVec3 = DVec3::new(0.6, -1.0, -0.7);
 
-/// Returns a key light, and two weak ones without shadows so that no side is black: one at the eye, which reaches all that
-/// is seen, and one opposite to the key light for sides that only mirrors and glass show. Key and eye light show a facing
-/// white surface as white.
+/// Returns a key light, and two weak ones without shadows so that no side is black. One is at the eye, which reaches all
+/// that is seen. The other is opposite to the key light, for sides that only mirrors and glass show. Key and eye light show
+/// a facing white surface as white.
 fn lights(eye: Vec3) -> Vec<Light> {
     let far = |name: &str, direction: DVec3, strength: f32, shadows| Light {
         name: name.to_owned(),

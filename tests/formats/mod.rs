@@ -3,6 +3,7 @@
 mod attenuation;
 mod gltf;
 mod ply;
+mod relief;
 mod stl;
 
 use std::path::PathBuf;

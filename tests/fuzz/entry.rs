@@ -103,7 +103,12 @@ pub fn load(kind: Kind, bytes: &[u8]) -> bool {
             Kind::Picture => load::picture(&path, &options()).map(|t| Scene { textures: vec![t], ..Scene::default() }),
         };
         match &loaded {
-            Ok(scene) => check(scene),
+            Ok(scene) => {
+                check(scene);
+                if let (Kind::Gltf | Kind::Ply | Kind::Stl, Err(error)) = (kind, scene.validate()) {
+                    panic!("{error}");
+                }
+            }
             Err(error) => {
                 let text = error.to_string();
                 assert!(!text.contains('\n') && text.len() < 1000, "{text}");

@@ -6,7 +6,7 @@ use clap::Args;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reflections")]
 pub(in crate::cli) struct ReflectionsArgs {
-    /// Hold the lecture notes' systems against traced pictures of the bundled scenes, two a system
+    /// Compare the lecture notes' systems with traced pictures, on two bundled scenes per system
     #[arg(long, conflicts_with_all = ["formulas", "axes", "limit", "single", "fresh", "pictures", "bvh"])]
     pub reflections: bool,
 }

@@ -18,13 +18,14 @@ use crate::trial::RayKind;
   vitrum bench --frames scenes/glass.toml scenes/goblet.toml
   vitrum bench --sweep --threads 1 --plot sweep.svg
 
-Every contender traces the same rays, made beforehand; they take turns, and the
-figure is the median over the rounds. Contenders that do not find the same hits
-are not timed: the program says which rays differ and exits 1. Infinite planes
-are left out. A quiet machine gives narrow spreads.
+All contenders trace the same rays, which are prepared before. They take turns,
+and the figure is the median over the rounds. Contenders that do not find the
+same hits are not timed: the rays that differ are printed, and the program
+exits 1. Infinite planes are left out. A machine without other work gives
+narrow spreads.
 
-With --frames whole pictures of the scenes, as large as they say with one ray a
-pixel, take turns instead; building is not part of their time.")]
+With --frames whole pictures of the scenes are timed by turns, in the size of
+the scene with one ray per pixel; building is not part of their time.")]
 pub(in crate::cli) struct BenchArgs {
     /// Scenes (.toml) or models (.obj)
     #[arg(required_unless_present = "sweep", value_name = "SCENE|MESH")]

@@ -19,7 +19,7 @@ pub(in crate::cli) struct CompareArgs {
     /// A picture: PNG, OpenEXR, Radiance HDR, PFM or JPEG
     pub a: PathBuf,
 
-    /// Another one
+    /// Picture to compare it with
     pub b: PathBuf,
 
     /// Largest difference of a channel that passes [default: 1/255, for the count alone]
@@ -46,7 +46,7 @@ pub(in crate::cli) struct CompareArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// Print nothing but errors; the exit code tells
+    /// Print only errors; the exit code is the result
     #[arg(short, long, conflicts_with = "json")]
     pub quiet: bool,
 }

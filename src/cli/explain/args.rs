@@ -7,17 +7,17 @@ use clap::{Args, value_parser};
 use crate::cli::args::{EffectArgs, StrictArg};
 use crate::cli::options::SmallPicture;
 
-/// Say which effects a scene calls for, and why; with --measure, what each is worth.
+/// List the effects that a scene needs, with reasons; with --measure, their cost.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum explain scenes/glass.toml
   vitrum explain scenes/glass.toml --measure
   vitrum explain scenes/glass.toml --no-fresnel-split --json
 
-With --measure each effect that is on is left out in turn, in rounds with the
-whole picture in between, by the native back end: `time` is that of the whole
-picture over that without the effect (the median over the rounds), `rmse` and
-`pixels` what the picture changes by, in linear light.")]
+With --measure the native back end renders the picture without each effect that
+is on, in rounds that begin with the whole picture. `time` is the time of the
+whole picture relative to that without the effect (median over the rounds).
+`rmse` and `pixels` are the changes of the picture, in linear light.")]
 pub(in crate::cli) struct ExplainArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,

@@ -10,7 +10,7 @@ use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::scene::MapKind;
 
-/// Write an environment map: all that is seen from a place in a scene.
+/// Write an environment map: the view in all directions from a place in a scene.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum map scenes/mirrors/maps.toml --at 0,1,0 --kind latlong -o map.exr
@@ -26,7 +26,7 @@ pub(in crate::cli) struct MapArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
 
-    /// Place that is looked from, in the scene's coordinates
+    /// Place of the map, in the scene's coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]
     pub at: DVec3,
 

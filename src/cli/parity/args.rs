@@ -10,23 +10,24 @@ use crate::cli::choice::{about, levels};
 use crate::cli::options::SmallPicture;
 use crate::trial::shown::{self, Ray};
 
-/// Trace the same rays by every path and judge what differs.
+/// Trace the same rays by every path and judge the differences.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum parity scenes/glass.toml
   vitrum parity bunny.obj --rays 100000 --json
   vitrum parity bunny.obj --ray=0,1,5,0,0,-1
 
-Rays as pictures need them, and rays aimed at edges, at corners and at the ends
-of their own intervals go through the native path and, where they are there,
-Embree's robust and fast modes. What differs from the f64 reference is either
-undecidable in f32 (by a margin below the bound on its error) or wrong. Then
-each makes a small picture, compared with the one that the same shading makes
-of the reference's hits; edges and what magnifies roundings are told apart.
+The rays are those of pictures, and rays aimed at edges, at corners and at the
+ends of their own intervals. They are traced by the native path and, if it is
+available, by Embree in its robust and fast modes. An answer that differs from
+the f64 reference is undecidable in f32 (by a margin below the bound on its
+error) or wrong. Then each path makes a small picture, which is compared with a
+picture of the same shading from the reference's hits; pixels at edges and
+pixels that magnify roundings are counted separately.
 A crack is an open edge, or triangles that meet without sharing corners: a ray
-may pass there. With --ray one ray goes through every path, and no picture is
-made; reports print the option for each ray that is wrong.
-Exits 1 when the native path is wrong anywhere.")]
+may pass there. With --ray one ray is traced by every path, and no picture is
+made; reports print the option for each wrong ray.
+Exits 1 if the native path is wrong anywhere.")]
 pub(in crate::cli) struct ParityArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,

@@ -16,10 +16,11 @@ use crate::cli::backend::Renderer;
   vitrum pixel scenes/hall.toml 100 50 --sample 1 --least 0
   vitrum pixel bunny.obj 64 64 --json > pixel.json
 
-Each ray is shown with what it met, its angles, what was reflected, transmitted
-and absorbed, what lights added or what blocked them, and what was cut off: by
-the renderer that makes pictures, and by the f64 reference. `ill-conditioned`
-is a pixel whose f64 value moves when its camera ray moves by a few ulps.")]
+Each ray is shown by the renderer that makes pictures and by the f64 reference.
+It has its hit, its angles, the shares that were reflected, transmitted and
+absorbed, the light or the occluder of each lamp, and the weight cut off. A
+pixel is `ill-conditioned` if its f64 value changes when its camera ray moves
+by a few ulps.")]
 pub(in crate::cli) struct PixelArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
@@ -34,7 +35,7 @@ pub(in crate::cli) struct PixelArgs {
     #[arg(long, value_name = "K", value_parser = value_parser!(u32).range(1..=1_048_576), help_heading = "Report")]
     pub sample: Option<u32>,
 
-    /// Fold away rays that, with all that follows, bring and differ by less
+    /// Fold away rays whose contribution and difference, with all rays that follow, are below this
     #[arg(long, value_name = "LIGHT", value_parser = not_negative, allow_negative_numbers = true,
         default_value_t = 0.001, help_heading = "Report")]
     pub least: f64,

@@ -13,7 +13,7 @@ use crate::cli::choice::{about, levels};
 use crate::cli::formulas::args::FormulasArgs;
 use crate::study::Axis;
 
-/// Show what accuracy costs in time, for a scene of yours.
+/// Measure what accuracy costs in time, for a scene.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum price scenes/glass.toml -o glass-price
@@ -25,24 +25,25 @@ use crate::study::Axis;
   vitrum price --formulas --of refraction,fresnel --count 200000
   vitrum price --formulas --csv > formulas.csv
 
-Every level of each choice is timed beside the default (they take turns; the
-figure is the median of the rounds' ratios) and held against the f64 renderer
-with the exact choices; the sampling axis against 16 x 16 rays a pixel. Then
-the product of the choices that mattered, as far as --limit allows; what is
-left out is said. The folder gets report.html (one page that needs no network),
-report.json and report.csv. Ctrl-C keeps what is done, and the same command
-goes on. A quiet machine gives narrow intervals.
-With --reflections the lecture notes' systems run on the bundled scenes, beside
-traced pictures; the folder gets reflections.html, reflections.json and scenes.
-With --formulas no picture is made: each formula is timed in eight lanes, in one
-and in f64, and held against an oracle of twice the digits of f64; the errors
+Every level of each choice is timed by turns with the default; the figure is the
+median of the rounds' ratios. It is compared with the f64 renderer with the
+exact choices, and the sampling axis with 16 x 16 rays per pixel. Then the
+product of the choices that matter is measured, as far as --limit allows. The
+report names all that is left out. The folder gets report.html (one page that
+needs no network), report.json and report.csv. Ctrl-C keeps finished work, and
+the same command continues. A machine without other work gives narrow intervals.
+With --reflections the lecture notes' systems are compared with traced pictures
+of the bundled scenes; the folder gets reflections.html, reflections.json and
+the scenes.
+With --formulas no picture is made. Each formula is timed in eight lanes, in one
+and in f64, and compared with an oracle of twice the digits of f64. The errors
 are the same in every run.")]
 pub(in crate::cli) struct PriceArgs {
     /// Scene (.toml) or model (.obj)
     #[arg(required_unless_present_any = ["formulas", "reflections"], conflicts_with_all = ["formulas", "reflections"])]
     pub scene: Option<PathBuf>,
 
-    /// Folder for the report; made where it is missing
+    /// Folder for the report; created if missing
     #[arg(short, long, value_name = "DIR", required_unless_present = "formulas", conflicts_with = "formulas")]
     pub output: Option<PathBuf>,
 
@@ -61,7 +62,7 @@ pub(in crate::cli) struct PriceArgs {
         value_parser = levels::<Axis>())]
     pub axes: Vec<Axis>,
 
-    /// Size of the pictures [default: what the time limit bears, at most 76800 pixels]
+    /// Size of the pictures [default: as the time limit allows, at most 76800 pixels]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
 
@@ -69,7 +70,7 @@ pub(in crate::cli) struct PriceArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=16), default_value_t = 1)]
     pub samples: u32,
 
-    /// The default back end [default: embree where it is there, else native]
+    /// Back end of the default variant [default: embree if available, else native]
     #[arg(long, value_enum)]
     pub backend: Option<Renderer>,
 
@@ -88,7 +89,7 @@ pub(in crate::cli) struct PriceArgs {
     #[arg(long)]
     pub single: bool,
 
-    /// Forget what is in the folder from an earlier run
+    /// Discard the measurements of earlier runs in the folder
     #[arg(long)]
     pub fresh: bool,
 

@@ -57,7 +57,7 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_name = "EV", value_parser = exposure, allow_negative_numbers = true, help_heading = "Picture")]
     pub exposure: Option<f32>,
 
-    /// End rays by proof: what is cut changes no channel of any pixel by more than E
+    /// End rays so that, provably, no channel of any pixel changes by more than E
     #[arg(long, value_name = "E", value_parser = above_zero, allow_negative_numbers = true, conflicts_with = "cutoff",
         help_heading = "Light")]
     pub cutoff_error: Option<f32>,
@@ -68,14 +68,14 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, help = about::<Reflection>(), value_parser = levels::<Reflection>(), help_heading = "Light")]
     pub reflection: Option<Reflection>,
 
-    /// Under --reflection planar, mirrors in a row at most; light that needs more is left out [default: as --depth]
+    /// Most mirrors in a row under --reflection planar; light that needs more is left out [default: as --depth]
     #[arg(long, value_name = "0..10000", value_parser = value_parser!(u32).range(0..=MOST_MIRRORS), help_heading = "Light")]
     pub mirror_levels: Option<u32>,
 
     #[arg(long, help = about::<Proxy>(), value_parser = levels::<Proxy>(), help_heading = "Light")]
     pub proxy: Option<Proxy>,
 
-    /// Exact spheres, or as meshes of so many bands [default: exact]
+    /// Exact spheres, or meshes with this many bands [default: exact]
     #[arg(long, value_name = "exact|BANDS", value_parser = spheres, help_heading = "Light")]
     pub spheres: Option<Spheres>,
 
@@ -95,11 +95,11 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, help = about::<ReciprocalModel>(), value_parser = levels::<ReciprocalModel>(), help_heading = "Machine")]
     pub reciprocal: Option<ReciprocalModel>,
 
-    /// Render with the cheapest settings that keep every channel within E (1/512, 0.002) of f64; options given stay
+    /// Render with the cheapest settings that keep every channel within E (1/512, 0.002) of f64. Options set explicitly are kept
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with_all = ["time_budget", "exposure"], help_heading = "Budget")]
     pub max_error: Option<f64>,
 
-    /// Choose what renders within TIME (2s, 500ms), the most accurate; what is given besides stays
+    /// Render with the most accurate settings predicted to take at most TIME (2s, 500ms). Options set explicitly are kept
     #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Budget")]
     pub time_budget: Option<Duration>,
 

@@ -9,7 +9,7 @@ use crate::cli::args::StrictArg;
 use crate::cli::choice::{PathArg, about, levels};
 use crate::trial::verify::Group;
 
-/// Fire the hard cases of numerics at this machine, or at a scene.
+/// Test the hard numerical cases on this machine, or rays at a scene.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum verify
@@ -19,11 +19,11 @@ use crate::trial::verify::Group;
 
 Without a scene: closed meshes of all sizes and places, odd meshes, the optics
 against an oracle of twice the digits of f64, long chains of reflections.
-With one: rays at its corners and edges, judged by the f64 arbiter, and the
-triangles that are in trouble, each with its place in the file.
-Exits 1 when anything falls short.")]
+With one: rays at its corners and edges, judged by the f64 arbiter, and faulty
+triangles, each with its line in the file.
+Exits 1 if any case fails.")]
 pub(in crate::cli) struct VerifyArgs {
-    /// Scene (.toml) or model (.obj) to fire at, instead of the built-in cases
+    /// Scene (.toml) or model (.obj) to test, instead of the built-in cases
     pub scene: Option<PathBuf>,
 
     /// All the cases (minutes) instead of a sample of them (seconds)
@@ -52,7 +52,7 @@ pub(in crate::cli) struct VerifyArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// Print nothing but errors; the exit code tells
+    /// Print only errors; the exit code is the result
     #[arg(short, long, conflicts_with = "json")]
     pub quiet: bool,
 }

@@ -255,7 +255,8 @@ impl<'d, 'p> Materials<'d, 'p> {
             }
         }
         let base = DVec3::new(r, g, b);
-        let mean = picture.map_or(DVec3::ONE, |p| mean_of(assembly, p.texture));
+        // A picture of light may exceed 1, which no surface reflects.
+        let mean = picture.map_or(DVec3::ONE, |p| mean_of(assembly, p.texture).min(DVec3::ONE));
         Ok(Surface {
             name,
             base,
@@ -344,6 +345,9 @@ impl<'d, 'p> Materials<'d, 'p> {
         }
         if let (Some(t), true) = (TextureRef::in_extension(fields, "clearcoatRoughnessTexture"), roughness > 0.0) {
             roughness *= self.varied(t, "clearcoat roughness", &surface.name, assembly)?[1];
+        }
+        if fields.get("clearcoatNormalTexture").is_some() {
+            self.warn(assembly, "pictures of the normals of a coat are left out", &surface.name)?;
         }
         // Two layers: what the first one passes, the second one reflects.
         let first = 0.04 * strength * (1.0 - roughness);

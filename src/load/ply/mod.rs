@@ -178,10 +178,10 @@ impl Reading<'_> {
         }
         let mut entry = Entry::default();
         for i in 0..element.count {
-            let line = numbers.line;
             if numbers.entry(&element.properties, |p| p == list, &mut entry).is_none() {
                 return self.ends(element, i, assembly);
             }
+            let line = numbers.entry_line;
             if element.name == "tristrips" {
                 self.strips(&entry.lists, line)?;
             } else {

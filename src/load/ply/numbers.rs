@@ -7,7 +7,9 @@ pub(super) struct Numbers<'a> {
     encoding: Encoding,
     rest: &'a [u8],
     /// Line that is read, from 1, in an ASCII file; 0 in a binary one.
-    pub line: u32,
+    line: u32,
+    /// Line on which the last entry began; 0 in a binary file.
+    pub entry_line: u32,
     /// Line of the first word of an ASCII file that is no number.
     pub no_number: Option<u32>,
 }
@@ -25,7 +27,7 @@ impl<'a> Numbers<'a> {
     /// Starts after the header.
     pub(super) fn new(file: &'a [u8], header: &Header) -> Self {
         let line = if header.encoding == Encoding::Ascii { header.lines + 1 } else { 0 };
-        Self { encoding: header.encoding, rest: &file[header.bytes..], line, no_number: None }
+        Self { encoding: header.encoding, rest: &file[header.bytes..], line, entry_line: line, no_number: None }
     }
 
     /// Reads an entry, of whose lists `wanted` returns true for those to keep. Returns `None` if the file ends first.
@@ -37,6 +39,10 @@ impl<'a> Numbers<'a> {
     ) -> Option<()> {
         entry.singles.clear();
         entry.lists.clear();
+        if self.encoding == Encoding::Ascii {
+            self.skip_blanks();
+            self.entry_line = self.line;
+        }
         for (i, property) in properties.iter().enumerate() {
             let Some(count) = property.count else {
                 entry.singles.push(self.number(property.number)?);
@@ -95,12 +101,18 @@ impl<'a> Numbers<'a> {
 
     /// Returns the next word, on this line or a later one.
     fn word(&mut self) -> Option<&'a [u8]> {
-        let start = self.rest.iter().position(|b| !b.is_ascii_whitespace())?;
-        self.line += self.rest[..start].iter().filter(|&&b| b == b'\n').count() as u32;
-        let rest = &self.rest[start..];
-        let (word, rest) = rest.split_at(rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len()));
+        self.skip_blanks();
+        let length = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(length);
         self.rest = rest;
-        Some(word)
+        Some(word).filter(|word| !word.is_empty())
+    }
+
+    /// Leaves out blanks and ends of lines.
+    fn skip_blanks(&mut self) {
+        let blanks = self.rest.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(self.rest.len());
+        self.line += self.rest[..blanks].iter().filter(|&&b| b == b'\n').count() as u32;
+        self.rest = &self.rest[blanks..];
     }
 
     /// Leaves out the rest of the line.

@@ -5,6 +5,7 @@
 //! and measured, and the best one within the budget is chosen. Afterwards ([`check`]) a sample of the final picture's
 //! pixels is checked against `f64`. If that fails, the next more exact combination is used.
 
+mod candidate;
 pub mod check;
 mod quick;
 
@@ -20,6 +21,7 @@ use crate::error::{Result, Unsupported};
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Observer, Reflection};
 use crate::scene::Scene;
+pub use candidate::Candidate;
 use quick::{Judged, Quick};
 
 /// Share of the allowed error that the small picture may use, since it has fewer pixels that could be wrong.
@@ -54,21 +56,6 @@ impl Wish {
             Self::Time(t) => OF_THE_TIME * t.as_secs_f64(),
         }
     }
-}
-
-/// Combination of choices measured on the small picture.
-#[derive(Clone, Debug, Serialize)]
-pub struct Candidate {
-    /// Choices.
-    pub variant: Variant,
-    /// Predicted seconds for the whole picture, from the median run.
-    pub seconds: f64,
-    /// Predicted seconds from the slowest run, as on a machine with other work.
-    pub slowest: f64,
-    /// Largest difference of a channel from `f64` in the small picture, excluding ill-conditioned pixels.
-    pub max: f64,
-    /// Root of the mean squared difference.
-    pub rmse: f64,
 }
 
 /// Effect of one level while the other choices are exact.

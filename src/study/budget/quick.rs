@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::Candidate;
+use super::candidate::Candidate;
 use crate::image::Film;
 use crate::render::Observer;
 use crate::render::reference::Prepared;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::Formula;
+use super::formula::Formula;
 
 /// Returns the whole table. Fields without a number are empty.
 #[must_use]

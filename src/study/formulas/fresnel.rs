@@ -1,8 +1,8 @@
 //! Reflectances.
 
 use super::evaluate::{Answer, Case, Formula};
+use super::formula::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use super::ranges::{Angles, Range, ULP};
-use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::math::{FUSED, LaneMask, Real, Vector3, ulp};
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, FresnelFormula, FresnelModel, FresnelVisitor, oracle, polarised, polarised_as_printed};
@@ -149,7 +149,7 @@ fn noted(column: Column, range: usize, errors: &Errors) -> Option<Noted> {
     Some(Noted { why, ..noted })
 }
 
-pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::formula::Formula> {
     let candidates = candidates();
     let ranges: Vec<Vec<ErrorSums>> =
         RANGES.iter().enumerate().map(|(i, range)| tally(plan, &candidates, range, i)).collect();
@@ -159,7 +159,7 @@ pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
             Errors { noted: column.and_then(|column| noted(column, r, &errors)), ..errors }
         };
         let time = plan.time.then(|| formula.time());
-        super::Formula {
+        super::formula::Formula {
             kind: FormulaKind::Fresnel,
             name,
             time,

@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
+use super::formula::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use super::timing::{Time, time};
-use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::math::{Real, ulp};
 use crate::measure::sample::Rng;
 use crate::simd::{Estimate, F32x8, Reciprocal, ReciprocalModel, ReciprocalVisitor};
@@ -14,7 +14,7 @@ const RANGES: [(&str, f64, f64); 2] = [("1 to 2", 0.0, 1.0), ("2^-100 to 2^100",
 /// Published largest relative error of the estimate, for the CPUs of one maker.
 const NOTED_ESTIMATE: f64 = 3.0e-4;
 
-pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::formula::Formula> {
     ReciprocalModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
@@ -25,9 +25,9 @@ struct Measured<'a> {
 }
 
 impl ReciprocalVisitor for Measured<'_> {
-    type Output = super::Formula;
+    type Output = super::formula::Formula;
 
-    fn visit<F: Reciprocal>(self, _formula: F) -> super::Formula {
+    fn visit<F: Reciprocal>(self, _formula: F) -> super::formula::Formula {
         let errors = RANGES.iter().enumerate().map(|(r, &(name, low, high))| {
             let errors = tally::<F>(self.plan, r, low, high).errors(name);
             let noted = (self.model == ReciprocalModel::Estimate).then(|| {
@@ -41,7 +41,7 @@ impl ReciprocalVisitor for Measured<'_> {
         });
         let ranges = errors.collect();
         let time = self.plan.time.then(timed::<F>);
-        super::Formula { kind: FormulaKind::Reciprocal, name: self.model.to_string(), time, ranges }
+        super::formula::Formula { kind: FormulaKind::Reciprocal, name: self.model.to_string(), time, ranges }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Mirrored directions.
 
 use super::evaluate::{Answer, Case, Formula};
+use super::formula::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use super::ranges::{Angles, Range, ULP};
-use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::math::{LaneMask, Real, Vector3};
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, PlanarReflection, oracle, reflect};
@@ -36,7 +36,7 @@ const RANGES: [Range; 3] = [
     Range::new("grazing", 1.0, 1.5, Angles::Grazing),
 ];
 
-pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::formula::Formula> {
     let formulas: [(&str, Box<dyn Formula>); 2] = [("vector", Box::new(Vector)), ("matrix", Box::new(Matrix))];
     let rows = formulas.iter().enumerate().map(|(f, (name, formula))| {
         let errors = RANGES.iter().enumerate().map(|(r, range)| {
@@ -50,7 +50,12 @@ pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
             Errors { noted, ..errors }
         });
         let time = plan.time.then(|| formula.time());
-        super::Formula { kind: FormulaKind::Reflection, name: String::from(*name), time, ranges: errors.collect() }
+        super::formula::Formula {
+            kind: FormulaKind::Reflection,
+            name: String::from(*name),
+            time,
+            ranges: errors.collect(),
+        }
     });
     rows.collect()
 }

@@ -1,8 +1,8 @@
 //! Refracted directions.
 
 use super::evaluate::{Answer, Case, Formula, lane};
+use super::formula::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use super::ranges::{Angles, Range, ULP};
-use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::choice::Choice as _;
 use crate::math::{Real, Vector3};
 use crate::measure::sample::Rng;
@@ -146,7 +146,7 @@ impl RefractionVisitor for Boxed {
     }
 }
 
-pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::formula::Formula> {
     let models = models();
     let formulas: Vec<Box<dyn Formula>> = models.iter().map(|model| model.dispatch(Boxed)).collect();
     let ranges: Vec<Vec<ErrorSums>> =
@@ -161,7 +161,7 @@ pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
             });
             Errors { noted, ..errors }
         };
-        super::Formula {
+        super::formula::Formula {
             kind: FormulaKind::Refraction,
             name: model.to_string(),
             time: plan.time.then(|| formula.time()),

@@ -1,6 +1,6 @@
 //! The figures for a terminal of 80 columns.
 
-use super::{Errors, Formula, FormulaKind};
+use super::formula::{Errors, Formula, FormulaKind};
 
 /// Largest number of formulas side by side in a table.
 const ACROSS: usize = 5;

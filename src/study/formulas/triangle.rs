@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use glam::{DVec3, Vec3};
 
+use super::formula::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use super::timing::{Time, time};
-use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::geometry::TriMesh;
 use crate::geometry::triangle_test::{Lanes, TriangleModel, TriangleTest, TriangleVisitor, Watertight};
 use crate::math::{Vector3, ulp};
@@ -45,7 +45,7 @@ const RANGES: [Range; 9] = [
     Range { name: "far ball, edges", bumps: false, centre: FAR, target: Target::Edges, noted: [0.056_17, 0.0] },
 ];
 
-pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::formula::Formula> {
     TriangleModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
@@ -56,9 +56,9 @@ struct Measured<'a> {
 }
 
 impl TriangleVisitor for Measured<'_> {
-    type Output = super::Formula;
+    type Output = super::formula::Formula;
 
-    fn visit<T: TriangleTest>(self, _test: T) -> super::Formula {
+    fn visit<T: TriangleTest>(self, _test: T) -> super::formula::Formula {
         let errors = RANGES.iter().enumerate().map(|(r, range)| {
             let errors = tally::<T>(self.plan, r, range).errors(range.name);
             let noted = noted(self.model, range).map(|value| {
@@ -69,7 +69,7 @@ impl TriangleVisitor for Measured<'_> {
         });
         let ranges = errors.collect();
         let time = self.plan.time.then(timed::<T>);
-        super::Formula { kind: FormulaKind::Triangle, name: self.model.to_string(), time, ranges }
+        super::formula::Formula { kind: FormulaKind::Triangle, name: self.model.to_string(), time, ranges }
     }
 }
 

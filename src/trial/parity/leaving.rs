@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Id;
+use super::id::Id;
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::{Geometry, Hit, Ray, Shape, Spot};
 

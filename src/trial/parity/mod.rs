@@ -5,6 +5,7 @@
 //! are a separate class, since Embree's modes differ there.
 
 mod aimed;
+mod id;
 mod leaving;
 mod sets;
 mod tally;
@@ -14,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use aimed::{Targets, ends};
+pub use id::Id;
 pub use sets::{Set, sets};
 pub use tally::{CAUSES, FAULTS, Judgement, VerdictCounts, cause_name, fault_name};
 
@@ -21,9 +23,6 @@ use crate::accel::reference::{Examined, Fault, Hit64, Reference, Verdict};
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Hit, Hit8, Ray, Ray8};
 use crate::simd::Mask8;
-
-/// Instance, geometry and primitive of a hit.
-pub type Id = (u32, u32, u32);
 
 /// Number of packets per task.
 const TASK: usize = 64;

@@ -1,7 +1,7 @@
 //! Sets of rays for the comparison of contenders.
 
-use super::Id;
 use super::aimed::{Targets, ends};
+use super::id::Id;
 use super::leaving::leaving;
 use crate::accel::Coherence;
 use crate::accel::reference::Reference;

@@ -5,9 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glam::Vec3;
 
-use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::opaque;
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use super::tally::Worst;
 use crate::Result;

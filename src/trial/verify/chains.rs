@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 
-use super::VerifyPlan;
 use super::candidate::Candidate;
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::Result;
 use crate::geometry::{Geometry, Shape, Sphere, TriMesh};

@@ -1,6 +1,6 @@
 //! Unpolarised reflectance in eight lanes, as the renderer computes it, against the oracle.
 
-use super::VerifyPlan;
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::math::FUSED;
 use crate::measure::sample::Rng;

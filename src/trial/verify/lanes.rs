@@ -3,9 +3,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::VerifyPlan;
 use super::candidate::{Candidate, NamedAccel};
 use super::meshes::{Closed, opaque, unit};
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::{Coherence, Intersector};

@@ -3,9 +3,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::{Closed, Pair, exact_edge_points, opaque};
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::Intersector;

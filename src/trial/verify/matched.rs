@@ -1,7 +1,7 @@
 //! Exact properties of the optics: equal indices, division of light, and one lane against eight.
 
-use super::VerifyPlan;
 use super::fresnel::{INDEX_PAIRS, cosine, critical_cosine};
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::math::{Real, Vector3};
 use crate::measure::sample::Rng;

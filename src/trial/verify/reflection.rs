@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::VerifyPlan;
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::measure::sample::Rng;
 use crate::optics::{oracle, reflect};

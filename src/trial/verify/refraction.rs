@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::VerifyPlan;
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::math::FUSED;
 use crate::measure::sample::Rng;

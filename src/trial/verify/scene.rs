@@ -4,15 +4,16 @@
 use glam::{DVec3, Vec3};
 
 use super::candidate::{Candidate, NamedAccel};
+use super::extent::bounds;
 use super::group::Group;
+use super::plan::{GroupResult, VerifyPlan, in_batches, timed};
 use super::self_hits::{Leaving, leaving};
 use super::tally::CaseCounts;
 use super::trouble::TriangleLocation;
-use super::{GroupResult, VerifyPlan, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
-use crate::geometry::{Aabb, Hit, Ray, Shape};
+use crate::geometry::{Hit, Ray, Shape};
 use crate::measure::sample::Rng;
 use crate::render::Observer;
 use crate::scene::Scene;
@@ -32,23 +33,6 @@ const FEWEST: u64 = 64;
 
 /// Units of [`Budget`] after which no more rays are traced together.
 const CHUNK_UNITS: u64 = 2_000_000;
-
-/// Returns the middle and half extent of the finite part of a scene.
-pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
-    let all = scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
-        Shape::Mesh(mesh) => b.union(mesh.bounds()),
-        Shape::Sphere(sphere) if sphere.is_usable() => b.union(sphere.bounds()),
-        _ => b,
-    });
-    let (lo, hi) = (all.lo.as_dvec3(), all.hi.as_dvec3());
-    if lo.cmple(hi).all() {
-        // A flat scene still gets rays from all around.
-        let half = (hi - lo) * 0.5;
-        ((lo + hi) * 0.5, half.max(DVec3::splat((half.max_element() * 0.1).max(f64::from(f32::MIN_POSITIVE)))))
-    } else {
-        (scene.camera.eye.as_dvec3(), DVec3::ONE)
-    }
-}
 
 /// Runs the selected groups of [`Group::OF_SCENE`] on a scene with every traversal of a back end. Failures name the
 /// triangle and its location, and give a command that repeats the ray on the file `name`.

@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use glam::{DVec3, Vec3};
 
-use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::{Closed, of_triangles, opaque, unit};
+use super::plan::VerifyPlan;
 use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::Intersector;

@@ -188,7 +188,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
         _ => false,
     };
     let arbiter = Reference::build(&scene.geometry);
-    let bounds = super::scene::bounds(scene);
+    let bounds = super::extent::bounds(scene);
     let mut rng = Rng::new("overlaps", 0);
     let size = bounds.0.abs().max_element().max(bounds.1.max_element());
     let mut found: BTreeMap<(TroubleKind, u32, u32), Trouble> = BTreeMap::new();
