@@ -11,7 +11,8 @@ use std::time::Instant;
 
 use bytemuck::Zeroable;
 use glam::Vec3;
-use vitrum::accel::embree::device::{Device, Library};
+use vitrum::accel::embree::Library;
+use vitrum::accel::embree::device::Device;
 use vitrum::accel::embree::scene::{Scene, SceneBuilder};
 use vitrum::accel::embree::sys::{
     INVALID_GEOMETRY, QUERY_COHERENT, QUERY_INCOHERENT, QueryArguments, RtcRay8, RtcRay16, RtcRayHit8, RtcRayHit16,

@@ -1,13 +1,13 @@
-//! The program's allocator: the system's own, but where it has no memory left the program ends with one line on standard
-//! error and the exit code of a limit, not by SIGABRT.
+//! The program's allocator: that of the system, except when memory runs out. Then the program prints one line on
+//! standard error and ends with the exit code of a limit, not by SIGABRT.
 //!
-//! Rust aborts where `Vec`, `Box` or `String` cannot allocate, and the hook that could change this
-//! (`std::alloc::set_alloc_error_hook`) is not stable. A null pointer is the only sign of the failure, so it is looked for
-//! here. Allocations whose failure the caller handles are marked (`vitrum::system::memory::is_fallible`) and get their null
-//! pointer.
+//! Rust aborts if `Vec`, `Box` or `String` cannot allocate, and the hook that could change this
+//! (`std::alloc::set_alloc_error_hook`) is not stable. A null pointer is the only sign of the failure, so this
+//! allocator tests for it. Allocations whose failure the caller handles are marked
+//! (`vitrum::system::memory::is_fallible`) and get their null pointer.
 //!
-//! This is a last resort. Each stage asks for its memory before it starts (`vitrum::system::memory::need`), which fails with
-//! an ordinary error. The library has no such allocator: programs that use it choose their own.
+//! This is a last resort. Each stage checks its memory before it starts (`vitrum::system::memory::need`), which fails
+//! with an ordinary error. The library has no such allocator: programs that use it choose their own.
 
 #![allow(unsafe_code, reason = "an allocator is an unsafe trait")]
 
@@ -22,11 +22,11 @@ static ALLOCATOR: OrEnd = OrEnd;
 /// Set by the first thread that ends the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator, or the end.
+/// The system's allocator, which ends the program if memory runs out.
 struct OrEnd;
 
 impl OrEnd {
-    /// `block`, or the end of the program where it is null and nobody handles that.
+    /// Returns `block`. Ends the program if it is null and the caller does not handle failures.
     #[inline(always)]
     fn or_end(block: *mut u8, bytes: usize) -> *mut u8 {
         if block.is_null() && !memory::is_fallible() {
@@ -65,13 +65,13 @@ unsafe impl GlobalAlloc for OrEnd {
     }
 }
 
-/// Writes the message and leaves. The first thread that comes here does so; others wait for it.
+/// Writes the message and ends the program. The first thread that arrives does so; others wait for it.
 #[cold]
 #[inline(never)]
 fn end(bytes: usize) -> ! {
     if ENDING.swap(true, Ordering::SeqCst) {
-        // Either the first thread's message has failed to allocate, or another thread comes second. Neither happens
-        // often, and the first thread does not take long.
+        // Either the message of the first thread failed to allocate, or another thread comes second. Both are rare, and
+        // the first thread takes little time.
         std::thread::sleep(std::time::Duration::from_millis(500));
         leave();
     }
@@ -119,9 +119,9 @@ fn leave() -> ! {
     std::process::exit(LIMIT)
 }
 
-/// Has glibc's allocator use as little address space as it can, where that is limited: one arena instead of one for each
-/// thread, 64 MiB each, and large blocks that go back to the system when they are freed. Where there is no such limit
-/// nothing is changed.
+/// Reduces the address space that glibc's allocator uses, if address space is limited. It then has one arena instead of
+/// one per thread, of 64 MiB each, and large blocks go back to the system when they are freed. Without a limit nothing
+/// is changed.
 pub fn keep_to_limits() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if vitrum::system::left::address_space_is_limited() {

@@ -1,66 +1,66 @@
-//! The one error type. Its message is one line that names the place, the value and the cure.
+//! The crate's error type. A message is one line that names the place, the value and the cure.
 
 use std::path::PathBuf;
 
-/// Why something could not be done. [`Error::exit_code`] is what the program ends with.
+/// Failure of an operation. [`Error::exit_code`] is the program's exit code.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Input that is wrong, at a place in a file.
+    /// Wrong input at a place in a file.
     #[error("{}:{line}{}: {message}", file.display(), column.map(|c| format!(":{c}")).unwrap_or_default())]
     Input {
         /// The file, as the user named it.
         file: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// Column, from 1, where known.
+        /// Column, from 1, if known.
         column: Option<usize>,
-        /// What is wrong, the value, and the cure.
+        /// Description of the fault, with the value and the cure.
         message: String,
     },
-    /// Input that is wrong as a whole.
+    /// Wrong input without a single place.
     #[error("{}: {message}", file.display())]
     File {
         /// The file, as the user named it.
         file: PathBuf,
-        /// What is wrong, the value, and the cure.
+        /// Description of the fault, with the value and the cure.
         message: String,
     },
-    /// A scene or a flag that asks for something impossible.
+    /// Scene or flag that requests something impossible.
     #[error("{0}")]
     Usage(String),
-    /// The operating system said no.
+    /// Failure of the operating system.
     #[error("{}: cannot {action}: {source}", file.display())]
     Io {
         /// The file, as the user named it.
         file: PathBuf,
-        /// What was tried: `read`, `write`, ...
+        /// Attempted action: `read`, `write`, ...
         action: &'static str,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// More than this program takes on, or a part that is not there.
+    /// Limit of the program, or a part that this build lacks.
     #[error("{0}")]
     Limit(String),
-    /// A back end that cannot trace.
+    /// Back end that cannot trace.
     #[error(transparent)]
     Unavailable(#[from] Unavailable),
-    /// More memory than there is.
+    /// Work that needs more memory than there is.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
-    /// Ctrl-C.
+    /// Interruption by the user (Ctrl-C).
     #[error("interrupted")]
     Interrupted,
 }
 
-/// More than this machine takes on.
+/// Work that exceeds a limit of this machine.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what}: {needs} needed, {limit}")]
 pub struct TooLarge {
-    /// The thing that is too large.
+    /// Name of the work.
     pub what: String,
-    /// The amount that it needs, with its unit.
+    /// Amount that it needs, with its unit.
     pub needs: String,
-    /// The amount that is left, the limit that leaves no more, and the cure.
+    /// Amount that is left, the limit that causes this, and the cure.
     pub limit: String,
 }
 
@@ -118,8 +118,8 @@ pub enum Unavailable {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// 2 for bad input or usage, 3 for input and output, 4 for a limit or a missing back end, 130 when interrupted.
-    /// (0 is success, and 1 a comparison or check that came out negative, which is no error.)
+    /// Exit code of the program: 2 for bad input or usage, 3 for input and output, 4 for a limit or a missing back end,
+    /// 130 for an interruption. (0 is success, and 1 a comparison or check with a negative result, which is no error.)
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -130,24 +130,24 @@ impl Error {
         }
     }
 
-    /// Returns true if the request itself is refused, as unsound or too large: a study goes on without it. Failures of input,
-    /// output and interruptions are not.
+    /// Returns true if the request itself is refused, as unsound or too large; a study goes on without it. Failures of
+    /// input and output, and interruptions, are not refusals.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         matches!(self, Self::Usage(_) | Self::Limit(_) | Self::Unavailable(_) | Self::TooLarge(_))
     }
 
-    /// Wrong input in `file` as a whole.
+    /// Creates the error of a wrong file.
     pub fn file(file: impl Into<PathBuf>, message: impl Into<String>) -> Self {
         Self::File { file: file.into(), message: message.into() }
     }
 
-    /// Wrong input at a line of `file`.
+    /// Creates the error of a wrong line in `file`.
     pub fn at(file: impl Into<PathBuf>, line: usize, message: impl Into<String>) -> Self {
         Self::Input { file: file.into(), line, column: None, message: message.into() }
     }
 
-    /// The system's refusal to `action` the file.
+    /// Creates the error of a system that failed to `action` the file.
     pub fn io(file: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
         Self::Io { file: file.into(), action, source }
     }

@@ -1,4 +1,4 @@
-//! The program: fit for this machine? Then do what the command line says.
+//! The program: checks that this machine has the instructions of the build, and runs the command line.
 
 mod allocator;
 

@@ -7,7 +7,7 @@ use crate::support;
 use std::io::Write;
 
 use glam::{DVec3, Vec3};
-use vitrum::accel::embree::device::Library;
+use vitrum::accel::embree::Library;
 use vitrum::accel::embree::{Embree, Isa, Mode, Options, Quality, Spheres, Width};
 use vitrum::accel::native::Native;
 use vitrum::accel::{Coherence, Intersector, Unbounded};

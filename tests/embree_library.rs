@@ -6,7 +6,8 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-use vitrum::accel::embree::device::{Device, Library};
+use vitrum::accel::embree::Library;
+use vitrum::accel::embree::device::Device;
 use vitrum::accel::embree::{Embree, Frequency, Isa, Options, find, sys};
 
 /// The library, or word on the terminal that the test was left out (test output that passes is not shown).

@@ -10,6 +10,8 @@
 mod command;
 #[path = "fuzz/entry.rs"]
 mod entry;
+#[path = "fuzz/models.rs"]
+mod models;
 #[path = "fuzz/mutate.rs"]
 mod mutate;
 
@@ -156,6 +158,16 @@ fn broken_models_are_survived() {
 }
 
 #[test]
+fn broken_ply_models_are_survived() {
+    attack(Kind::Ply, &models::ply(), executions(4000, 0.1));
+}
+
+#[test]
+fn broken_stl_models_are_survived() {
+    attack(Kind::Stl, &models::stl(), executions(4000, 0.1));
+}
+
+#[test]
 fn broken_materials_are_survived() {
     attack(Kind::Material, &seeds(Kind::Material), executions(6000, 0.3));
 }
@@ -188,6 +200,8 @@ fn what_was_found_once_is_survived_still() {
             Some("toml") => Kind::Scene,
             Some("obj") => Kind::Model,
             Some("mtl") => Kind::Material,
+            Some("ply") => Kind::Ply,
+            Some("stl") => Kind::Stl,
             _ => Kind::Picture,
         };
         entry::load(kind, &fs::read(&path).unwrap());

@@ -287,27 +287,6 @@ fn imports_are_found_however_they_are_written() {
     assert_eq!(around, Some(vec!["b".to_owned(), "c".to_owned()]));
 }
 
-/// Folders and files of `src` whose documentation is held to the rules of prose. The list grows until it is all of `src`.
-const FINISHED_PROSE: &[&str] = &[
-    "accel/native",
-    "accel/walk.rs",
-    "choice.rs",
-    "effects",
-    "geometry",
-    "image",
-    "load",
-    "math",
-    "measure",
-    "notices",
-    "render",
-    "scene",
-    "simd",
-    "system",
-    "systems",
-    "trial/parity",
-    "trial/verify",
-];
-
 /// Words that open a doc comment which names its subject by a question.
 const QUESTIONS: [&str; 5] = ["What", "Whether", "How", "Where", "Which"];
 
@@ -372,10 +351,7 @@ fn sentences(paragraph: &str) -> Vec<&str> {
 fn documentation_names_its_subject_in_short_sentences() {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
-    for place in FINISHED_PROSE {
-        let path = src.join(place);
-        if path.is_dir() { rust_files(&path, &mut files) } else { files.push(path) }
-    }
+    rust_files(&src, &mut files);
     let mut wrong = Vec::new();
     for file in &files {
         for (line, fault) in faults_of_prose(&std::fs::read_to_string(file).expect("source can be read")) {

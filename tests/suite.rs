@@ -13,6 +13,7 @@ mod effects;
 mod embree;
 #[cfg(feature = "embree")]
 mod embree_library;
+mod formats;
 mod formulas;
 mod hard;
 mod hard_scenes;

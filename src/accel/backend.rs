@@ -20,7 +20,7 @@ crate::choice! {
 }
 
 impl Backend {
-    /// The back end of a build where none is asked for: Embree where it is compiled in.
+    /// Back end if none is chosen: Embree if it is compiled in, else native.
     pub const DEFAULT: Self = if embree::COMPILED_IN { Self::Embree } else { Self::Native };
 
     /// The name in reports that compare both modes of Embree.
@@ -58,7 +58,7 @@ impl Backend {
     /// Checks that this program and this machine have the back end. Loads its library.
     ///
     /// # Errors
-    /// The reason why not.
+    /// The reason why the back end is not available.
     pub fn availability(self) -> Result<(), Unavailable> {
         match self {
             Self::Native => Ok(()),
@@ -87,7 +87,7 @@ impl Default for Backend {
 impl FromStr for Backend {
     type Err = String;
 
-    /// The back end of that [`name`](Backend::name).
+    /// Parses a [`name`](Backend::name).
     fn from_str(text: &str) -> Result<Self, String> {
         let names = || Self::ALL.map(Self::name).join(", ");
         Self::parse(text).map_err(|_| format!("no back end is called `{text}`; take one of {}", names()))

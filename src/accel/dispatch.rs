@@ -2,19 +2,22 @@
 
 use std::sync::Arc;
 
+use super::backend::Backend;
 use super::embree::{self, Embree, Installed, Width};
 use super::native::{self, Kernel, Native};
-use super::{Backend, BuildQuality, BuildStats, Coherence, Intersector, Unbounded};
+use super::unbounded::Unbounded;
+use super::{BuildQuality, BuildStats, Coherence, Intersector};
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit8, Ray8};
 use crate::simd::Mask8;
 
-/// Choices of a build.
+/// Options of a build.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// Work put into the hierarchy. Embree builds by its own quality that comes closest.
+    /// Build quality of the hierarchy. Embree uses its own quality that comes closest.
     pub quality: BuildQuality,
-    /// Threads of Embree's build; 0 for one per processor. The native back end builds in rayon's current pool.
+    /// Number of threads of Embree's build; 0 means one per processor. The native back end builds in rayon's current
+    /// pool.
     pub threads: usize,
 }
 
@@ -65,13 +68,13 @@ impl Accel {
         Ok(Self { backend, hierarchy: Unbounded::new(hierarchy, geometry) })
     }
 
-    /// The back end that traces.
+    /// Back end that traces the rays.
     #[must_use]
     pub fn backend(&self) -> Backend {
         self.backend
     }
 
-    /// Embree's hierarchy, where Embree traces.
+    /// Embree's hierarchy, if Embree traces the rays.
     #[must_use]
     pub fn embree(&self) -> Option<&Embree> {
         match self.hierarchy.inner() {
@@ -80,14 +83,14 @@ impl Accel {
         }
     }
 
-    /// The library that traces; none for the native back end.
+    /// Library that traces the rays; none for the native back end.
     #[must_use]
     pub fn library(&self) -> Option<Installed> {
         self.embree().map(Embree::library)
     }
 
-    /// This accelerator held to each single kernel in turn, with the kernel's name: single rays, packets of 8, and native's
-    /// ray batches or Embree's packets of 16. The hits are the same but for Embree's ties.
+    /// Returns this accelerator restricted to each single kernel, with the kernel's name: single rays, packets of 8,
+    /// and native's ray streams or Embree's packets of 16. The hits are the same, except for Embree's ties.
     #[must_use]
     pub fn by_kernel(&self) -> [(&'static str, Self); 3] {
         let with = |hierarchy| Self { backend: self.backend, hierarchy: self.hierarchy.with_inner(hierarchy) };

@@ -1,7 +1,7 @@
-//! Finding what a ray meets. Knows shapes, and neither scenes nor materials.
+//! Intersection of rays with shapes. This room depends on neither scenes nor materials.
 //!
-//! [`Intersector`] is the contract that every path keeps: the native hierarchy, Embree, and the `f64` arbiter; one
-//! test runs it against all of them.
+//! [`Intersector`] is the contract of every path: the native hierarchy, Embree, and the `f64` arbiter. One test runs it
+//! against all of them.
 
 use std::time::Duration;
 
@@ -23,12 +23,12 @@ pub use dispatch::{Accel, BuildOptions};
 pub use shafts::Shafts;
 pub use unbounded::Unbounded;
 
-/// What the caller knows of a stream's order. A back end may check it, and may ignore it.
+/// Order of the rays in a stream, as declared by the caller. A back end may verify or ignore it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Coherence {
-    /// Neighbouring rays go almost the same way: camera rays of a tile, shadow rays to one light.
+    /// Neighbouring rays have almost the same direction: camera rays of a tile, shadow rays to one light.
     Coherent,
-    /// Rays go anywhere: what leaves a curved surface.
+    /// Rays have any directions: rays that leave a curved surface.
     Incoherent,
 }
 
@@ -68,7 +68,7 @@ impl Counts {
         counts
     }
 
-    /// `what` and the numbers.
+    /// Returns `what` with the numbers.
     fn named(self, what: &str) -> String {
         let Self { triangles, spheres } = self;
         match (triangles, spheres) {
@@ -83,31 +83,31 @@ impl Counts {
     }
 }
 
-/// Rays against shapes. `t_min < t <= t_max` counts as met; so does either face of a triangle.
+/// Intersection of rays with shapes. A hit counts if `t_min < t <= t_max`, on either side of a triangle.
 ///
-/// Where two hits of a ray have the same `t`, the lower (instance, geometry, primitive) is the nearest one, however
-/// the rays were grouped. (Embree settles its ties its own way.)
+/// If two hits of a ray have the same `t`, the lower (instance, geometry, primitive) is the nearest one, however the
+/// rays were grouped. (Embree has its own rule for ties.)
 ///
-/// Rays with a NaN or a zero direction, an empty interval or a NaN bound meet nothing and disturb no other lane.
+/// Rays with a NaN or a zero direction, an empty interval or a NaN bound hit nothing and affect no other lane.
 pub trait Intersector: Sync {
-    /// Arenas and stacks, one a thread, so that tracing allocates nothing once warm.
+    /// Scratch memory of one thread: stacks and arenas, so that tracing allocates nothing once they have grown.
     type Scratch: Default + Send;
 
-    /// The nearest hit of every active lane, or a miss. Inactive lanes of `hits` are left untouched.
+    /// Finds the nearest hit of every active lane, or a miss. Inactive lanes of `hits` are not changed.
     ///
     /// # Panics
-    /// Where the two slices differ in length.
+    /// If the two slices differ in length.
     fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Self::Scratch);
 
-    /// Whether anything that the ray admits is met. Inactive lanes of `blocked` come out false.
+    /// Sets the lanes of `blocked` whose ray hits anything that it admits. Inactive lanes become false.
     ///
     /// # Panics
-    /// Where the two slices differ in length.
+    /// If the two slices differ in length.
     fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Self::Scratch);
 
     /// Returns the nearest hit of each ray, or a miss, in the order of the rays.
     ///
-    /// It packs rays and allocates; [`Intersector::closest`] does neither.
+    /// It packs the rays and allocates memory; [`Intersector::closest`] does neither.
     fn hits(&self, rays: &[Ray]) -> Vec<Hit> {
         let mut scratch = Self::Scratch::default();
         let mut all = Vec::with_capacity(rays.len());
@@ -120,40 +120,40 @@ pub trait Intersector: Sync {
         all
     }
 
-    /// What was built.
+    /// Statistics of the build.
     fn build_stats(&self) -> BuildStats;
 
-    /// Native's hierarchy over the same geometry, where the rays go through it.
+    /// Native's hierarchy over the same geometry, if it traces the rays.
     fn native(&self) -> Option<&native::Native> {
         None
     }
 }
 
-/// What building an accelerator came to.
+/// Statistics of building an accelerator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BuildStats {
-    /// Triangles that can be hit.
+    /// Number of triangles that can be hit.
     pub triangles: usize,
-    /// Spheres that can be hit.
+    /// Number of spheres that can be hit.
     pub spheres: usize,
-    /// Infinite planes.
+    /// Number of infinite planes.
     pub planes: usize,
-    /// Primitives left out: coordinates not finite or too large, corners that coincide, radii not above zero.
+    /// Number of primitives left out: coordinates not finite or too large, corners that coincide, radii not above zero.
     pub dropped: usize,
-    /// Inner nodes.
+    /// Number of inner nodes.
     pub nodes: usize,
-    /// Leaves.
+    /// Number of leaves.
     pub leaves: usize,
     /// Levels of inner nodes from the root to the deepest leaf.
     pub depth: usize,
-    /// Bytes held after the build, shapes apart.
+    /// Bytes held after the build, without the shapes.
     pub bytes: usize,
     /// Wall time of the build.
     pub time: Duration,
 }
 
 impl BuildStats {
-    /// The sum of two parts of one accelerator (the deeper depth of the two).
+    /// Returns the sum of two parts of one accelerator. The depth is the larger of the two.
     #[must_use]
     pub fn and(self, o: Self) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Shafts against all shapes of a scene, whichever back end traces its rays.
+//! Tests of shafts against all shapes of a scene, with any back end.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,8 @@ use super::{BuildQuality, Intersector};
 use crate::Result;
 use crate::geometry::{Content, Geometry, GeometryMask, Plane, Shaft, Shape};
 
-/// Shapes that shafts are searched for: native's hierarchy, the back end's own if it has one, and the infinite planes.
+/// Shapes that shafts are tested against: a native hierarchy, which is the back end's own if it has one, and the
+/// infinite planes.
 #[derive(Debug)]
 pub struct Shafts<'a> {
     native: Cow<'a, Native>,
@@ -15,10 +16,10 @@ pub struct Shafts<'a> {
 }
 
 impl<'a> Shafts<'a> {
-    /// For `accel`, which was built over `geometry`. Builds a hierarchy where it has none of native's.
+    /// Creates the tests for `accel`, which was built over `geometry`. Builds a native hierarchy if `accel` has none.
     ///
     /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit), where there is no memory for that hierarchy.
+    /// [`Error::Limit`](crate::Error::Limit) if there is not enough memory for that hierarchy.
     pub fn new<I: Intersector>(accel: &'a I, geometry: &[Geometry]) -> Result<Self> {
         let native = match accel.native() {
             Some(native) => Cow::Borrowed(native),
@@ -31,7 +32,7 @@ impl<'a> Shafts<'a> {
         Ok(Self { native, planes: geometry.iter().filter_map(plane).collect() })
     }
 
-    /// The content of a shaft; shapes that `blocks` meets stop light.
+    /// Returns the content of a shaft. Shapes with a mask in `blocks` block light.
     #[must_use]
     pub fn content(&self, shaft: &Shaft, blocks: GeometryMask) -> Content {
         let mut found = Content::Empty;

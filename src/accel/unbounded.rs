@@ -1,4 +1,4 @@
-//! Infinite planes, which no hierarchy can hold, in front of any accelerator.
+//! Infinite planes, which no hierarchy can hold, added to any accelerator.
 
 use super::{BuildStats, Coherence, Intersector};
 use crate::geometry::slab::{T_LIMIT, is_traceable};
@@ -6,8 +6,8 @@ use crate::geometry::{Geometry, GeometryMask, Hit8, NO_GEOMETRY, Plane, Ray8, Sh
 use crate::math::{LaneMask, Real};
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// An accelerator with the infinite planes of a scene added. They are met first and shorten the rays that the inner
-/// one is then asked about; without planes the rays go straight through.
+/// Accelerator with the infinite planes of a scene added. Planes are tested first and shorten the rays for the inner
+/// accelerator. Without planes the rays are passed on unchanged.
 #[derive(Clone, Debug)]
 pub struct Unbounded<I> {
     inner: I,
@@ -22,7 +22,7 @@ struct Placed {
     mask: GeometryMask,
 }
 
-/// Arenas of [`Unbounded`] and of what it wraps.
+/// Scratch memory of [`Unbounded`] and of the inner accelerator.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch<S> {
     inner: S,
@@ -38,8 +38,8 @@ struct Nearest {
 }
 
 impl<I: Intersector> Unbounded<I> {
-    /// `inner`, built over the same `geometry`, with the planes of the list added. Planes that cannot be met
-    /// ([`Plane::is_usable`]) are left out and counted.
+    /// Adds the planes of `geometry` to `inner`, which was built over the same list. Planes that cannot be hit
+    /// ([`Plane::is_usable`]) are dropped and counted.
     #[must_use]
     pub fn new(inner: I, geometry: &[Geometry]) -> Self {
         let mut planes = Vec::new();
@@ -59,13 +59,13 @@ impl<I: Intersector> Unbounded<I> {
         &self.inner
     }
 
-    /// The same planes in front of another accelerator over the same geometry.
+    /// Returns the same planes added to another accelerator over the same geometry.
     #[must_use]
     pub fn with_inner<J>(&self, inner: J) -> Unbounded<J> {
         Unbounded { inner, planes: self.planes.clone(), dropped: self.dropped }
     }
 
-    /// The nearest planes of the active lanes. The list is in order of id, so that the first one wins a tie.
+    /// Returns the nearest planes of the active lanes. The list is in order of id, so the first plane wins a tie.
     fn nearest(&self, rays: &Ray8) -> Nearest {
         let mut nearest = Nearest { t: F32x8::INFINITY, geometry: [NO_GEOMETRY; 8] };
         let limit = Real::min(rays.t_max, F32x8::from(T_LIMIT));
@@ -88,12 +88,12 @@ impl<I: Intersector> Unbounded<I> {
 }
 
 impl Nearest {
-    /// The lanes that met a plane.
+    /// Lanes that hit a plane.
     fn met(&self) -> Mask8 {
         self.t.lt(F32x8::INFINITY)
     }
 
-    /// Puts the planes into the active lanes of `hits` where nothing nearer is there.
+    /// Writes the planes to the active lanes of `hits` that have no nearer hit.
     fn settle(&self, active: u8, hits: &mut Hit8) {
         let met = self.met().bits() & active;
         for i in (0..8).filter(|i| met >> i & 1 != 0) {

@@ -1,4 +1,4 @@
-//! The commands, and flags that several commands share. Values are checked one by one here, and against each other in
+//! Commands, and flags that several commands share. Each value is validated here; combinations of values are in
 //! [`super::options`].
 
 pub(super) mod effects;

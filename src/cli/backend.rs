@@ -1,4 +1,4 @@
-//! From the choice of a renderer to the picture it makes.
+//! Rendering with the renderer that the command line chooses.
 
 use std::time::{Duration, Instant};
 
@@ -15,12 +15,12 @@ use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
 use crate::system::threads;
 
-/// The renderer of a picture.
+/// Renderer of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Renderer {
-    /// Packets of eight rays in `f32`, over a back end.
+    /// Packets of eight rays in `f32`, with a back end.
     Packets(Backend),
-    /// Single rays in `f32` over native's hierarchy, by a triangle test and a reciprocal of choice.
+    /// Single rays in `f32` in native's hierarchy, with a chosen triangle test and reciprocal.
     Walk(TriangleModel, ReciprocalModel),
     /// Single rays in `f64`.
     Reference,
@@ -49,7 +49,7 @@ impl ValueEnum for Renderer {
 }
 
 impl Renderer {
-    /// The renderer that was asked for, or else this build's default.
+    /// Returns the requested renderer, or this build's default.
     ///
     /// # Errors
     /// [`Unavailable::NotCompiledIn`].
@@ -60,7 +60,7 @@ impl Renderer {
         }
     }
 
-    /// The name in reports and metadata, as the command line has it.
+    /// Name on the command line, in reports and in metadata.
     pub fn name(self) -> &'static str {
         match self {
             Self::Packets(backend) => backend.name(),
@@ -75,11 +75,11 @@ impl Renderer {
     }
 }
 
-/// The renderer for `scene`: `renderer`, or native where that is Embree, which was not asked for, and the scene reaches
-/// beyond what Embree finds.
+/// Returns `renderer`, or native if `renderer` is Embree by default and the scene exceeds the sizes that Embree
+/// supports.
 ///
 /// # Errors
-/// A limit, where it was asked for. The message names the object.
+/// A limit if Embree was requested. The message names the object.
 pub(super) fn fit_for(scene: &Scene, renderer: Renderer, asked_for: bool, quiet: bool) -> Result<Renderer> {
     let Renderer::Packets(backend) = renderer else { return Ok(renderer) };
     let (shape, why) = match backend.check_reach(&scene.geometry) {
@@ -105,32 +105,32 @@ pub(super) fn fit_for(scene: &Scene, renderer: Renderer, asked_for: bool, quiet:
     Ok(Renderer::Packets(Backend::Native))
 }
 
-/// A picture and what it took.
+/// Picture and its cost.
 pub(super) struct Traced {
     pub outcome: Outcome,
-    /// What was built; none where the back end builds as part of its render.
+    /// Statistics of the hierarchy; `None` if the back end builds it as part of its render.
     pub build: Option<BuildStats>,
     pub build_time: Duration,
     pub render_time: Duration,
-    /// Version of the library that traced the rays, where it was not this program itself.
+    /// Version of the library that traced the rays, if it is not part of this program.
     pub library: Option<String>,
-    /// Numbers of triangle tests, where the test was chosen.
+    /// Numbers of triangle tests, if the test was chosen.
     pub lanes: Option<TestCounts>,
 }
 
-/// Starts rayon's own threads, which build trees, once for the whole program.
+/// Starts rayon's own threads, which build hierarchies, once for the whole program.
 ///
 /// # Errors
-/// A limit, where they cannot be started.
+/// A limit if they cannot be started.
 pub(super) fn start_threads(options: &Options) -> Result<()> {
     threads::start_global_pool(options.thread_count())
 }
 
-/// Builds the hierarchy and renders; looks for missing light in a picture that will be multiplied by `exposure`, where
-/// that is given.
+/// Builds the hierarchy and renders. If `exposure` is given, also searches for missing light that is visible in the
+/// picture multiplied by it.
 ///
 /// # Errors
-/// `Interrupted`; a limit, where threads cannot be started or a library is missing.
+/// `Interrupted`; a limit if threads cannot be started or a library is missing.
 pub(super) fn trace(
     scene: &Scene,
     renderer: Renderer,
@@ -139,7 +139,7 @@ pub(super) fn trace(
     observer: &Observer,
     exposure: Option<f32>,
 ) -> Result<Traced> {
-    // Before the work of building.
+    // Checked before the hierarchy is built.
     render::need(&scene.settings)?;
     let start = Instant::now();
     match renderer {
@@ -160,9 +160,9 @@ pub(super) fn trace(
             let mut outcome = interrupt::heeded(|| render::reference::render(scene, options, observer))?;
             let render_time = start.elapsed();
             if let Some(exposure) = exposure {
-                // Native follows a sample further in a fraction of the time.
+                // The native renderer traces the sample again in a fraction of the time.
                 let accel = Accel::build(Backend::Native, &scene.geometry, bvh)?;
-                // Maps that reflectors show are captured once.
+                // Maps of reflectors are captured only once.
                 let maps = outcome.maps.as_ref().map(|report| report.maps.clone());
                 let options = &Options { maps, ..options.clone() };
                 look(scene, &Pixels::new(&accel, options, observer), options, exposure, &mut outcome)?;
@@ -194,7 +194,7 @@ fn with<I: Intersector>(
     Ok(Traced { outcome, build, build_time, render_time, library: None, lanes: None })
 }
 
-/// Looks for visible light that a picture lacks.
+/// Searches for visible light that the picture lacks.
 fn look<I: Intersector>(
     scene: &Scene,
     pixels: &Pixels<I>,

@@ -1,4 +1,5 @@
-//! `vitrum render --max-error` and `--time-budget`: what is chosen, why, and whether it held.
+//! `vitrum render --max-error` and `--time-budget`: reports the choice of settings, its reasons, and the result of the
+//! check.
 
 use super::backend::{Renderer, Traced};
 use super::options::Render;
@@ -14,21 +15,21 @@ use crate::study::spheres::with_spheres;
 use crate::study::{Axis, Level, Precision, Variant};
 use crate::{Error, Result};
 
-/// Pixels that are listed one by one.
+/// Largest number of pixels listed one by one.
 const LISTED: usize = 8;
 
-/// What was chosen for a budget, and what came of it.
+/// Result of a render under a budget.
 #[derive(serde::Serialize)]
 pub(super) struct Spent {
-    /// Whether the last picture kept the wish.
+    /// True if the last picture kept the budget.
     pub kept: bool,
-    /// The options that repeat it.
+    /// Options that repeat the picture.
     pub options: String,
     pub choice: Choice,
     pub steps: Vec<Step>,
 }
 
-/// One picture on the way.
+/// One rendered picture of the ladder.
 #[derive(serde::Serialize)]
 pub(super) struct Step {
     pub options: String,
@@ -37,7 +38,8 @@ pub(super) struct Step {
     pub check: Check,
 }
 
-/// Chooses, renders and checks; steps up where the check fails. `job` and `scene` are then what was rendered last.
+/// Chooses settings, renders and checks. If the check fails, the next more exact settings are used. On return `job` and
+/// `scene` are those of the last picture.
 pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: &Observer) -> Result<(Traced, Spent)> {
     let say = |quiet: bool, line: &str| {
         if !quiet {
@@ -70,7 +72,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
         say(job.quiet, &format!("{:<10} {}", if i == 0 { "choice" } else { "step up" }, candidate.variant));
         let traced = picture(job, scene, observer)?;
         let bound = if let Wish::MaxError(e) = wish { e } else { VISIBLE };
-        // In a given time it is as right as it gets, whatever its pixels have for an excuse.
+        // Under a time budget the most exact picture is final, so ill-conditioned pixels need not be told apart.
         let examined = matches!(wish, Wish::MaxError(_));
         let film = &traced.outcome.film;
         let check = interrupt::heeded(|| check::check(&whole, film, &given, bound, examined, observer))?;
@@ -82,7 +84,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
         for line in told(&check, wish, seconds, candidate) {
             say(job.quiet, &line);
         }
-        // What the reference cannot show, a more exact picture cannot either.
+        // If the reference cannot show that the bound is kept, a more exact picture does not help.
         let unproven = matches!(wish, Wish::MaxError(_)) && check.wrong.is_empty() && !check.can_show();
         let options = candidate.variant.to_string();
         steps.push(Step { options: options.clone(), predicted_seconds: candidate.seconds, seconds, check });
@@ -96,7 +98,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     Err(Error::Usage(String::from("nothing to choose from")))
 }
 
-/// The back end that a budget's study starts from.
+/// Returns the back end that the study of a budget starts from.
 fn of_study(renderer: Renderer) -> Result<Backend> {
     match renderer {
         Renderer::Walk(..) => Ok(Backend::Native),
@@ -105,7 +107,7 @@ fn of_study(renderer: Renderer) -> Result<Backend> {
     }
 }
 
-/// Makes `job` and `scene` what a candidate says.
+/// Sets `job` and `scene` to the choices of a candidate.
 fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Scene) {
     let variant = &candidate.variant;
     *scene = with_spheres(whole, variant.spheres);
@@ -120,7 +122,7 @@ fn apply(candidate: &Candidate, job: &mut Render, scene: &mut Scene, whole: &Sce
     };
 }
 
-/// The warning about a budget that was not kept.
+/// Warning about a budget that was not kept.
 fn not_kept(check: &Check, wish: Wish) -> String {
     match wish {
         Wish::MaxError(bound) if check.wrong.is_empty() => format!(
@@ -132,7 +134,7 @@ fn not_kept(check: &Check, wish: Wish) -> String {
     }
 }
 
-/// Why the first of the ladder is the first.
+/// Reasons for the first choice of the ladder.
 fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
     let [width, height] = choice.size;
     let mut lines = vec![format!(
@@ -168,7 +170,7 @@ fn reasons(choice: &Choice, wish: Wish) -> Vec<String> {
     lines
 }
 
-/// The part of the line on pixels that the reference leaves undecided.
+/// Part of the line on pixels that the reference leaves undecided.
 fn undecided(check: &Check, wish: Wish) -> String {
     match (wish, check.undecided) {
         (Wish::Time(_), _) | (_, 0) => String::new(),
@@ -176,7 +178,7 @@ fn undecided(check: &Check, wish: Wish) -> String {
     }
 }
 
-/// What the check found.
+/// Lines on the result of the check.
 fn told(check: &Check, wish: Wish, seconds: f64, candidate: &Candidate) -> Vec<String> {
     let verdict = match wish {
         Wish::MaxError(_) if check.shows_it_kept() => "kept",

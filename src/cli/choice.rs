@@ -8,7 +8,7 @@ use clap::{Arg, Command};
 
 use crate::choice::{Choice, Unreadable};
 
-/// Reads the levels of `C`, and lists them in the help.
+/// Parser for the levels of `C`, which also lists them in the help.
 #[derive(Debug)]
 pub(super) struct Levels<C>(PhantomData<C>);
 
@@ -18,7 +18,7 @@ impl<C> Clone for Levels<C> {
     }
 }
 
-/// All levels of a choice.
+/// Parser for all levels of a choice.
 pub(super) fn levels<C: Choice>() -> Levels<C> {
     Levels(PhantomData)
 }
@@ -47,7 +47,7 @@ impl<C: Choice> TypedValueParser for Levels<C> {
                 TypedValueParser::parse_ref(&refuse, command, option, value)
             }
             Err(Unreadable::Name) => {
-                // It finds no name either, and words the error.
+                // It does not find the name either, and words the error.
                 let names = PossibleValuesParser::new(C::LEVELS.iter().map(|level| possible(*level)));
                 names.parse_ref(command, option, value).map(|_| C::LEVELS[0])
             }

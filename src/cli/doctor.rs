@@ -15,7 +15,7 @@ const CHOICE: &str = "--backend native takes less CPU time on most scenes (Embre
 const CHOICE_WITHOUT: &str = "native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
                       a build with `--features embree` has --backend embree, too, as its default";
 
-/// What this machine and this build can do. Its JSON form is this, with the same names.
+/// Capabilities of this machine and this build, in the form of the JSON output.
 #[derive(serde::Serialize)]
 struct Findings {
     vitrum: &'static str,
@@ -23,15 +23,15 @@ struct Findings {
     /// Processors that this process may use.
     processors: usize,
     simd: Simd,
-    /// The back ends that are there.
+    /// Available back ends.
     backends: Vec<&'static str>,
-    /// The one that traces where `--backend` does not say otherwise.
+    /// Back end that traces rays without `--backend`.
     default_backend: &'static str,
     /// Advice on the back end to choose.
     choice: &'static str,
-    /// None where it was not found or not built in.
+    /// `None` if it was not found or not compiled in.
     embree: Option<Installed>,
-    /// What could be better, and the cure.
+    /// Possible improvements, with their cures.
     missing: Vec<String>,
 }
 
@@ -39,18 +39,18 @@ struct Findings {
 struct Simd {
     built: &'static str,
     available: &'static str,
-    /// Whether the system saves 256-bit registers.
+    /// True if the operating system saves 256-bit registers.
     saves_ymm: bool,
-    /// Whether the system saves 512-bit registers.
+    /// True if the operating system saves 512-bit registers.
     saves_zmm: bool,
-    /// Features this binary needs that are not there; then it cannot run.
+    /// CPU features that this binary needs and the machine lacks; then it cannot run.
     lacking: Vec<&'static str>,
 }
 
-/// Looks, and tells.
+/// Examines the machine and prints the findings.
 ///
 /// # Errors
-/// A limit, where this binary cannot run here. (The program ends before it comes here where it can tell that early.)
+/// A limit if this binary cannot run here. (Usually the program ends before it gets here.)
 pub(super) fn run(json: bool) -> Result<Verdict> {
     let findings = Findings::here();
     if json {

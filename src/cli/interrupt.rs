@@ -1,7 +1,7 @@
-//! Ctrl-C, and the system's own wish that the program ended.
+//! Ctrl-C, and the system's request to end the program.
 //!
-//! The first one asks the render to stop, which it does between packets; whatever still runs after [`PATIENCE`] is
-//! ended from outside. The second one, and any outside a render, ends the program at once. Neither leaves a file behind.
+//! The first one asks the render to stop, which it does between packets. Work that still runs after [`PATIENCE`] is ended
+//! from outside. The second one, and any outside a render, ends the program at once. Neither leaves a file behind.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,19 +14,19 @@ use crate::render::Observer;
 use crate::system::threads;
 use crate::{Error, Result};
 
-/// How long the program may take to end by itself.
+/// Time that the program may take to end by itself.
 const PATIENCE: Duration = Duration::from_millis(800);
 
-/// Whether the work under way looks at [`Observer::stop`].
+/// True if the current work tests [`Observer::stop`].
 static HEEDED: AtomicBool = AtomicBool::new(false);
 
-/// Whether what is left to do is to keep what was done.
+/// True if only results remain to be saved.
 static WAIT: AtomicBool = AtomicBool::new(false);
 
-/// Has Ctrl-C set `observer.stop`.
+/// Makes Ctrl-C set `observer.stop`.
 ///
 /// # Errors
-/// A limit, where the system does not let the program listen.
+/// A limit if the system refuses the signal handler.
 pub(super) fn listen(observer: &Arc<Observer>) -> Result<()> {
     let observer = Arc::clone(observer);
     let on_signal = move || {
@@ -44,21 +44,22 @@ pub(super) fn listen(observer: &Arc<Observer>) -> Result<()> {
             leave();
         }
     };
-    // Its own thread; the library does not say why it failed to start one.
+    // For the library's own thread, since the library does not report why it could not start one.
     threads::need(1)?;
     ctrlc::set_handler(on_signal)
         .map_err(|e| Error::Limit(format!("cannot listen for Ctrl-C: {e}; raise the limit on processes (`ulimit -u`)")))
 }
 
-/// Has a write beyond the limit on file sizes (`ulimit -f`) fail, where the system's signal for it (SIGXFSZ) would end the
-/// program.
+/// Makes a write beyond the limit on file sizes (`ulimit -f`) fail. By default the system's signal for it (SIGXFSZ)
+/// would end the program.
 pub(super) fn survive_large_files() {
-    // A handler that does nothing but set a flag, which nobody reads. Without it the signal stays deadly, no worse.
+    // The handler only sets a flag that nothing reads. If it cannot be set, the signal still ends the program, as
+    // before.
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
-/// Runs `work`, which looks at [`Observer::stop`].
+/// Runs `work`, which tests [`Observer::stop`].
 pub(super) fn heeded<T>(work: impl FnOnce() -> T) -> T {
     HEEDED.store(true, Ordering::SeqCst);
     let result = work();
@@ -66,7 +67,7 @@ pub(super) fn heeded<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// From here on the work ends by itself, however long that takes; a second Ctrl-C still ends the program at once.
+/// Lets the work end by itself, however long that takes. A second Ctrl-C still ends the program at once.
 pub(super) fn wait_for_the_end() {
     WAIT.store(true, Ordering::SeqCst);
 }
@@ -75,8 +76,7 @@ fn leave() -> ! {
     discard_unfinished();
     output::log_failure(&Error::Interrupted);
     let code = i32::from(Error::Interrupted.exit_code());
-    // Other threads are at work yet, some of them in Embree, whose own tidying up at a proper exit would pull the ground
-    // from under them.
+    // Other threads are still running, some of them in Embree, whose cleanup at a proper exit would free what they use.
     #[cfg(unix)]
     signal_hook::low_level::exit(code);
     #[cfg(not(unix))]

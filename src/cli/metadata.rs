@@ -1,4 +1,4 @@
-//! What a picture file says of its own making: what decided its pixels, and nothing that varies from run to run.
+//! Metadata of a picture file: the options that decided its pixels. Nothing varies from run to run.
 
 use super::backend::Renderer;
 use super::options::Exposure;
@@ -37,14 +37,14 @@ pub(super) fn of(
     .collect()
 }
 
-/// The triangle test and the reciprocal, where they were chosen.
+/// Triangle test and reciprocal, if they were chosen.
 fn walk_names(backend: Renderer) -> Option<[(&'static str, String); 2]> {
     let Renderer::Walk(triangles, reciprocal) = backend else { return None };
     let [triangles, reciprocal] = [triangles.name(), reciprocal.name()].map(String::from);
     Some([("vitrum:triangles", triangles), ("vitrum:reciprocal", reciprocal)])
 }
 
-/// The effects left out, with commas between.
+/// Effects left out, separated by commas.
 fn without_names(options: &Options) -> String {
     options.effects.without.iter().map(|e| e.name()).collect::<Vec<_>>().join(",")
 }

@@ -37,12 +37,12 @@ use crate::system::threads;
 use crate::{Error, Result};
 use args::{Cli, Command};
 
-/// How a command that met no error ended.
+/// Result of a command that met no error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
-    /// Done, or a check that came out well.
+    /// Done, or a check that succeeded.
     Done,
-    /// A comparison or check that came out negative.
+    /// A comparison or check that failed.
     Negative,
 }
 

@@ -28,10 +28,10 @@ pub(super) fn format_of(output: &Destination) -> Result<Format> {
     Format::from_path(output.name())
 }
 
-/// Keeps an input from being written over.
+/// Keeps an input from being overwritten.
 ///
 /// # Errors
-/// Usage, where `output` is one of the inputs, under whatever name.
+/// Usage if `output` is one of the inputs, under whatever name.
 pub(super) fn refuse_input<'a>(flag: &str, output: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     let Ok(output_file) = output.canonicalize() else {
         return Ok(());

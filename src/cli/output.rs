@@ -1,11 +1,12 @@
-//! Words to the user. Results go to standard output, all else to standard error; neither panics when its reader goes.
+//! Output to the user. Results go to standard output, everything else to standard error. Neither panics if it is
+//! closed.
 
 use std::io::{self, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Error, Result};
 
-/// A line on standard error. Where that fails there is nobody left to tell.
+/// Writes a line to standard error. A failure is ignored, since it cannot be reported.
 pub(super) fn log(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
@@ -19,16 +20,16 @@ pub(super) fn log_failure(error: &Error) {
     }
 }
 
-/// A message with its control characters written out, since names of files may hold line ends.
+/// Replaces control characters of a message by escapes, since file names may contain line ends.
 pub(super) fn one_line(message: &str) -> String {
     let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
     message.chars().map(shown).collect()
 }
 
-/// Text on standard output.
+/// Writes text to standard output.
 ///
 /// # Errors
-/// Io, except that a reader who has read enough (a closed pipe) is no error.
+/// Io, except that a closed pipe is no error.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -37,7 +38,7 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// A value as JSON on standard output.
+/// Writes a value as JSON to standard output.
 ///
 /// # Errors
 /// As [`print`].

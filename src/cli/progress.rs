@@ -1,4 +1,4 @@
-//! A bar with the time left, on a terminal.
+//! Progress bar with the remaining time, on a terminal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -9,11 +9,11 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::render::Observer;
 use crate::system::threads;
 
-/// Between two looks at the counter.
+/// Interval between updates of the bar.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Runs `work`; meanwhile, where `show`, a bar on standard error follows `observer` up to `pixels`. Nothing is drawn
-/// where standard error is no terminal, and the bar is gone afterwards.
+/// Runs `work`. Meanwhile, if `show`, a bar on standard error follows `observer` up to `pixels`. Nothing is drawn if
+/// standard error is no terminal, and the bar is removed afterwards.
 pub(super) fn follow<T>(observer: &Observer, pixels: u64, show: bool, work: impl FnOnce() -> T) -> T {
     let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::stderr());
     if !show || bar.is_hidden() {
@@ -30,15 +30,15 @@ pub(super) fn follow<T>(observer: &Observer, pixels: u64, show: bool, work: impl
             }
             bar.finish_and_clear();
         });
-        // Ends the ticker also where `work` unwinds; the scope would else wait for it for ever. Where it could not be
-        // started, the bar stands still.
+        // Ends the ticker also if `work` unwinds; otherwise the scope would wait for it forever. If the ticker could
+        // not be started, the bar stands still.
         let _end = ticker.ok().map(|ticker| EndTicker { done: &done, ticker: ticker.thread().clone() });
         work()
     })
 }
 
-/// Runs `work`, which may take up to `limit` and says what it is doing; meanwhile, where `show`, a bar on standard
-/// error follows the clock. Nothing is drawn where standard error is no terminal, and the bar is gone afterwards.
+/// Runs `work`, which may take up to `limit` and reports its current step. Meanwhile, if `show`, a bar on standard
+/// error follows the clock. Nothing is drawn if standard error is no terminal, and the bar is removed afterwards.
 pub(super) fn session<T>(limit: Duration, show: bool, work: impl FnOnce(&(dyn Fn(&str) + Sync)) -> T) -> T {
     let bar = ProgressBar::with_draw_target(Some(limit.as_secs()), ProgressDrawTarget::stderr());
     if !show || bar.is_hidden() {

@@ -1,4 +1,4 @@
-//! What a render came to: one value, told as text or as JSON.
+//! Summary of a render, written as text or as JSON.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use crate::render::{RayCounts, RayKind, Shortfall};
 use crate::scene::Scene;
 use crate::simd::level;
 
-/// Everything a summary is made from.
+/// Inputs of a summary.
 pub(super) struct Facts<'a> {
     pub job: &'a Render,
     pub scene: &'a Scene,
@@ -28,7 +28,7 @@ pub(super) struct Facts<'a> {
     pub seconds: Seconds,
 }
 
-/// The summary of a render. Its JSON form is this, with the same names.
+/// The summary, in the form of the JSON output.
 #[derive(serde::Serialize)]
 pub(super) struct Summary<'a> {
     version: &'static str,
@@ -39,18 +39,18 @@ pub(super) struct Summary<'a> {
     backend: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     library: Option<String>,
-    /// The triangle test and the reciprocal, where they were chosen.
+    /// Triangle test and reciprocal, if they were chosen.
     #[serde(skip_serializing_if = "Option::is_none")]
     walk: Option<Walked>,
     simd: &'static str,
     threads: usize,
     tile: u32,
     size: Size,
-    /// World coordinates of the place that was taken for (0, 0, 0).
+    /// World coordinates of the scene's origin.
     origin: [f64; 3],
-    /// Length in the world of 1 in the scene.
+    /// Length of a scene unit in the world.
     unit: f64,
-    /// None where the back end keeps its tree to itself.
+    /// `None` if the back end does not report its tree.
     tree: Option<Tree>,
     touching: Touching,
     /// Reflection systems, if one was chosen.
@@ -62,26 +62,26 @@ pub(super) struct Summary<'a> {
     #[serde(skip)]
     unmatched: Vec<String>,
     truncated: Truncated,
-    /// Visible light that the picture lacks for it, in more than a thousandth of the pixels.
+    /// Visible light that the picture lacks, if in more than a thousandth of the pixels.
     shortfall: Option<Shortfall>,
     #[serde(flatten)]
     warnings: &'a Warnings,
     defaults: Vec<String>,
-    /// What was chosen for a budget, and whether it was kept.
+    /// Settings chosen for a budget, and the result of the check.
     #[serde(skip_serializing_if = "Option::is_none")]
     budget: Option<&'a Spent>,
 }
 
-/// The settings that decided the pixels.
+/// Settings that decided the pixels.
 #[derive(serde::Serialize)]
 struct Picture {
     width: u32,
     height: u32,
     samples: u32,
     depth: u32,
-    /// Weight below which rays end; 0 where they end by a proven bound.
+    /// Weight below which rays end; 0 with a proven bound.
     cutoff: f32,
-    /// What that bound lets a channel of a pixel be off by.
+    /// Proven bound on the change of a channel by rays that end.
     #[serde(skip_serializing_if = "Option::is_none")]
     cutoff_error: Option<f32>,
     wavelengths: u32,
@@ -104,14 +104,14 @@ struct Size {
     textures: usize,
 }
 
-/// What native's hierarchy was walked by, one ray at a time.
+/// Triangle test and reciprocal of the single-ray walk.
 #[derive(serde::Serialize)]
 struct Walked {
     triangles: &'static str,
     reciprocal: &'static str,
-    /// Triangle tests, a lane each.
+    /// Number of triangle tests; each lane counts.
     tested: u64,
-    /// Those that fell to `f64`.
+    /// Number of these that fell back to `f64`.
     settled: u64,
 }
 
@@ -123,10 +123,10 @@ struct Tree {
     bytes: usize,
 }
 
-/// Touching surfaces that were found before the first ray.
+/// Touching surfaces found before the first ray.
 #[derive(serde::Serialize)]
 struct Touching {
-    /// Pairs of objects.
+    /// Number of pairs of objects.
     pairs: usize,
     /// Wall time of the search, part of that of the render.
     seconds: f64,
@@ -148,26 +148,26 @@ struct Rays {
     reflected: u64,
     transmitted: u64,
     shadow: u64,
-    /// One row a depth: camera, reflected, transmitted, shadow.
+    /// One row per depth: camera, reflected, transmitted, shadow.
     by_depth: Vec<[u64; 4]>,
     mrays_per_s: f64,
     #[serde(skip)]
     counts: RayCounts,
 }
 
-/// What did not reach the picture as it was.
+/// Input and light that did not reach the picture unchanged.
 #[derive(serde::Serialize)]
 struct Losses {
-    /// Faces the loader left out, by reason.
+    /// Faces that the loader dropped, by reason.
     faces: BTreeMap<&'static str, u64>,
-    /// Primitives the back end left out; none where it does not tell.
+    /// Primitives that the back end dropped; `None` if it does not report them.
     primitives: Option<usize>,
     non_finite: u64,
     clamped: u64,
     unmatched_exits: u64,
     /// Objects of these exits, the worst first.
     unmatched_objects: Vec<Leak>,
-    /// Samples the file format could not hold.
+    /// Samples that the file format could not hold.
     clipped: Clipped,
 }
 
@@ -183,7 +183,7 @@ impl Truncated {
     fn of(weights: &Film) -> Self {
         let (mut sum, mut max, mut pixels) = (0.0, 0.0_f32, 0);
         for &[r, g, b] in &weights.pixels {
-            // Of a wavelength, a channel may weigh less than nothing.
+            // The weight of a wavelength may be negative in a channel.
             let weight = r.abs().max(g.abs()).max(b.abs());
             sum += f64::from(weight);
             max = max.max(weight);
@@ -278,7 +278,7 @@ impl<'a> Summary<'a> {
         }
     }
 
-    /// As text of several lines, the last one unended.
+    /// Text of several lines, without a final line end.
     pub fn text(&self) -> String {
         let mut lines = Vec::new();
         let mut line = |name: &str, value: String| lines.push(format!("{name:<10} {value}"));
@@ -353,7 +353,7 @@ impl<'a> Summary<'a> {
         lines.join("\n")
     }
 
-    /// What was truncated, dropped or clamped; the first is always told.
+    /// Adds lines on truncated, dropped and clamped amounts. The first is always printed.
     fn lost(&self, lines: &mut Vec<String>) {
         let mut line = |name: &str, value: String| lines.push(format!("{name:<10} {value}"));
         let t = &self.truncated;

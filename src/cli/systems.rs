@@ -4,7 +4,7 @@ use crate::measure::table::{counted, grouped};
 use crate::render::{Outcome, RayKind};
 use crate::scene::Scene;
 
-/// Levels of mirrors that the text lists; the last level is listed as well.
+/// Number of mirror levels that the text lists; the last level is listed as well.
 const MOST_LEVELS: usize = 6;
 
 /// Results of the reflection systems of a render.
@@ -21,7 +21,7 @@ pub(super) struct Systems {
 struct Mirrors {
     planes: usize,
     levels: Vec<Level>,
-    /// Reflections in planar mirrors that are seen in or through something else.
+    /// Number of reflections in planar mirrors that are seen in or through something else.
     traced_elsewhere: u64,
     /// Reflectors that are not planar, with the reasons.
     traced: Vec<String>,
@@ -31,7 +31,8 @@ struct Mirrors {
 struct Level {
     passes: u64,
     rays: u64,
-    /// Mean over the camera's rays: what the picture would lack of light of radiance 1 if it ended at the level before.
+    /// Mean over the camera's rays of the weight at this level. With light of radiance 1 the picture would lack as much
+    /// if it ended at the level before.
     mean_weight: f64,
     largest_weight: f32,
 }
@@ -43,7 +44,7 @@ struct Maps {
     maps: usize,
     texels: usize,
     seconds: f64,
-    /// Reflections that were traced for want of a map, or because they were inside a body.
+    /// Number of reflections that were traced, because there was no map or because they were inside a body.
     traced_reflections: u64,
     /// Reflectors without a map, with the reasons.
     traced: Vec<String>,
@@ -79,7 +80,7 @@ impl Systems {
         (mirrors.is_some() || maps.is_some()).then_some(Self { mirrors, maps })
     }
 
-    /// Names and values of lines of text.
+    /// Names and values for lines of text.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let mut lines = Vec::new();
         if let Some(mirrors) = &self.mirrors {

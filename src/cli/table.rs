@@ -1,12 +1,12 @@
-//! Figures set for reading.
+//! Tables of figures.
 
 use crate::measure::table::grouped;
 use crate::render::{RayCounts, RayKind};
 
-/// Depths shown one a line; deeper ones share the last line.
+/// Number of depths with a line of their own; deeper ones share the last line.
 const DEPTHS: usize = 8;
 
-/// Rays by depth and kind, each line led by `indent`.
+/// Returns rays by depth and kind, each line after `indent`.
 pub(super) fn rays(counts: &RayCounts, indent: &str) -> String {
     let mut rows = vec![[String::from("depth"), String::new(), String::new(), String::new(), String::new()]];
     for (k, kind) in RayKind::ALL.iter().enumerate() {
@@ -16,7 +16,7 @@ pub(super) fn rays(counts: &RayCounts, indent: &str) -> String {
         let cell = |n: u64| if n == 0 { String::from("-") } else { grouped(n) };
         [name, cell(row[0]), cell(row[1]), cell(row[2]), cell(row[3])]
     };
-    // A last line for a single depth would hide nothing and say less.
+    // A last line for a single depth would save nothing.
     let single = if counts.by_depth.len() <= DEPTHS + 1 { DEPTHS + 1 } else { DEPTHS };
     for (depth, row) in counts.by_depth.iter().enumerate().take(single) {
         rows.push(cells(depth.to_string(), row));

@@ -7,7 +7,7 @@ use crate::notices::INSIDE_OUT_CURE;
 use crate::render::Outcome;
 use crate::scene::Scene;
 
-/// Objects told one by one outside JSON.
+/// Largest number of objects listed outside JSON.
 const TOLD: usize = 5;
 
 /// One object of [`Unmatched`].
@@ -22,7 +22,7 @@ pub(super) struct Leak {
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Unmatched {
     pub exits: u64,
-    /// The worst first.
+    /// Objects, the worst first.
     pub objects: Vec<Leak>,
 }
 
@@ -36,7 +36,7 @@ impl Unmatched {
         Self { exits: outcome.unmatched_exits, objects: outcome.unmatched_objects.iter().map(leak).collect() }
     }
 
-    /// Lines of the summary; none where every exit was matched.
+    /// Lines of the summary; none if every exit was matched.
     pub fn lines(&self) -> Vec<String> {
         if self.exits == 0 {
             return Vec::new();
@@ -52,7 +52,7 @@ impl Unmatched {
         lines
     }
 
-    /// The worst object, for an error message.
+    /// Describes the worst object, for an error message.
     pub fn worst(&self) -> Option<String> {
         self.objects.first().map(|leak| format!("most through `{}` ({}): {}", leak.object, leak.exits, leak.cause))
     }

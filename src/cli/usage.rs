@@ -1,4 +1,4 @@
-//! Wrong usage in one line.
+//! Errors in the command line, in one line.
 
 use std::ffi::OsString;
 
@@ -7,11 +7,11 @@ use clap::CommandFactory as _;
 use super::args::Cli;
 use crate::load::plain_numbers;
 
-/// Characters of a word that is shown whole.
+/// Largest length of a word that is shown whole, in characters.
 const LONGEST_WORD: usize = 80;
 
-/// The message of the command line's parser, which has a line each for what is wrong, values, tips and usage, as one line
-/// that ends in the command that prints the help. `given` are the words of the command line, the program's name included.
+/// Formats a message of the command line's parser as one line that ends in the command for help. The parser uses
+/// several lines for the error, values, tips and usage. `given` is the command line with the program's name.
 pub(super) fn one_line(e: &clap::Error, given: impl Iterator<Item = OsString>) -> String {
     let text = e.render().to_string();
     let mut line = String::new();
@@ -38,7 +38,7 @@ pub(super) fn one_line(e: &clap::Error, given: impl Iterator<Item = OsString>) -
     format!("{}; see `{command} --help`", words.join(" "))
 }
 
-/// The command that was asked for, whose help lists its options. The parser's message names it in some errors alone.
+/// Returns the command whose help lists the options. The parser's message names it only in some errors.
 fn helped(given: impl Iterator<Item = OsString>) -> String {
     let known = Cli::command();
     let asked =

@@ -1,11 +1,11 @@
-//! A scene's camera and lights, for trials, which know no scenes.
+//! Viewpoints of scenes for trials, which do not depend on scenes.
 
 use crate::scene::{LightKind, Projection, Scene};
 use crate::trial::View;
 use crate::trial::rays::bounds;
 
-/// From where trials look at `scene`: as its camera does (a parallel projection from its eye, as wide at the target),
-/// under the first of its lights, or one above where it has none.
+/// Returns the viewpoint of the scene's camera with its first light. For a parallel projection it is the eye, with an
+/// angle of view that covers the same width at the target. Without lights, one above is used.
 pub(super) fn of(scene: &Scene) -> View {
     let camera = &scene.camera;
     let distance = camera.eye.distance(camera.target);

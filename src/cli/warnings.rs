@@ -9,23 +9,23 @@ use crate::notices::{self, Notice};
 use crate::render::{Observer, Options};
 use crate::scene::Scene;
 
-/// Warnings as JSON has them, for every command that reports any.
+/// Warnings in the form of the JSON output, for every command that reports any.
 #[derive(Clone, Debug, Default, serde::Serialize)]
 pub(super) struct Warnings {
-    /// All of them, as text.
+    /// All warnings, as text.
     warnings: Vec<String>,
-    /// The notices among them, in parts.
+    /// Notices among them, with their parts.
     notices: Vec<Notice>,
 }
 
 impl Warnings {
-    /// Warnings of the loader, then notices.
+    /// Combines the warnings of the loader and the notices.
     pub fn new(report: &LoadReport, notices: Vec<Notice>) -> Self {
         let loaded = report.warnings.iter().map(ToString::to_string);
         Self { warnings: loaded.chain(notices.iter().map(ToString::to_string)).collect(), notices }
     }
 
-    /// A scene with its own settings, and its warnings, for a command that makes no picture of it by itself.
+    /// Loads a scene with its own settings, and collects its warnings, for a command that makes no picture of its own.
     ///
     /// # Errors
     /// As [`load::scene`] and [`notices::survey`]; under `strict` the first warning.
@@ -38,18 +38,18 @@ impl Warnings {
         Ok((scene, Self::new(&report, notices)))
     }
 
-    /// As text, a line each.
+    /// Lines of text, one per warning.
     pub fn lines(&self) -> impl Iterator<Item = String> {
         self.warnings.iter().map(|warning| format!("warning: {warning}"))
     }
 
-    /// Writes them to standard error.
+    /// Writes the warnings to standard error.
     pub fn log(&self) {
         self.lines().for_each(|line| output::log(&output::one_line(&line)));
     }
 }
 
-/// Under `--strict`: the first notice is an error.
+/// Makes the first notice an error, under `--strict`.
 ///
 /// # Errors
 /// The notice.

@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Aabb, COORDINATE_LIMIT};
+use super::aabb::Aabb;
+use super::limit::COORDINATE_LIMIT;
 
 /// An indexed triangle mesh with optional attributes at the corners.
 ///

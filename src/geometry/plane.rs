@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
+use super::limit::COORDINATE_LIMIT;
+use super::ray::Ray;
 use super::slab::upper_end;
-use super::{COORDINATE_LIMIT, Ray};
 use crate::math::{Real, Vector3};
 
 /// An infinite plane: the points `p` with `normal . (p - point) = 0`. The normal points outside.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::GeometryMask;
+use super::mask::GeometryMask;
 use crate::simd::{F32x8, Vec3x8};
 
 /// A ray: the points `origin + t * dir` with `t_min < t <= t_max`.

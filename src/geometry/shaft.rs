@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::{Aabb8, Plane};
+use super::aabb::Aabb8;
+use super::plane::Plane;
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 

@@ -4,7 +4,7 @@
 //! an inner box earlier than the outer one, nor leaves it later, not by one ulp. Shapes clamp their `t` to the interval of
 //! their own box. So no hierarchy of enclosing boxes can lose or gain a hit.
 
-use super::Ray;
+use super::ray::Ray;
 use crate::math::{Real, Vector3};
 
 /// The largest ray parameter of a hit: hits beyond it are ignored, whatever `t_max` is. It lies below the largest `f32`, so

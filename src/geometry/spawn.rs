@@ -1,7 +1,10 @@
 //! Origins of rays that leave a surface: the point on the shape, its outward normal, and a bound on the rounding errors of
 //! the point and of the intersection test. There is no global epsilon; each hit has its own bound.
 
-use super::{Hit, Ray, Shape, sphere};
+use super::hit::Hit;
+use super::ray::Ray;
+use super::shape::Shape;
+use super::sphere;
 use crate::math::{LaneMask, Real, Vector3, gamma};
 
 /// Upper bound of the difference between 1 and the squared length of a plane's normal ([`super::Plane::is_usable`]).

@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::aabb::Aabb;
+use super::limit::COORDINATE_LIMIT;
+use super::ray::Ray;
 use super::slab::{SlabRay, grown, upper_end};
-use super::{Aabb, COORDINATE_LIMIT, Ray};
 use crate::math::{Real, Vector3, next_down, next_up};
 
 /// A sphere. Its outside is the side away from the centre.

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::TriMesh;
+use super::mesh::TriMesh;
 
 /// Returns for each position the index of the first one at exactly the same place (0 and -0 are the same).
 pub(crate) fn weld(positions: &[Vec3]) -> Vec<u32> {

@@ -12,7 +12,7 @@
 
 use glam::Vec3;
 
-use super::Ray;
+use super::ray::Ray;
 use super::slab::{SlabRay, grown, upper_end};
 use crate::math::{Real, Vector3};
 

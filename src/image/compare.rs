@@ -1,7 +1,8 @@
 //! Comparison of two pictures.
 
+use super::encode::srgb_from_linear;
+use super::film::Film;
 use super::ssim::ssim;
-use super::{Film, srgb_from_linear};
 use crate::{Error, Result};
 
 /// Difference of two pictures of the same size. Differences are between linear channel values, in units of radiance.

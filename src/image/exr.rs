@@ -8,9 +8,10 @@ use ::exr::prelude::{
     WritableImage,
 };
 
-use super::format::cannot_hold;
+use super::encode::Clipped;
+use super::film::Film;
+use super::format::{Encoded, Format, cannot_hold};
 use super::samples::{Samples, Stored, code_of_share};
-use super::{Clipped, Encoded, Film, Format};
 use crate::Result;
 
 /// Encodes a film as three binary32 channels, compressed without loss, rows in order.

@@ -1,7 +1,8 @@
 //! Radiance HDR files: three 8-bit mantissas with a shared exponent (Ward 1991).
 
-use super::format::cannot_hold;
-use super::{Clipped, Encoded, Film, Format};
+use super::encode::Clipped;
+use super::film::Film;
+use super::format::{Encoded, Format, cannot_hold};
 use crate::Result;
 
 /// Largest value: mantissa 255 of 256 under the largest exponent whose power `f32` represents.

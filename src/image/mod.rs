@@ -4,6 +4,7 @@ mod common;
 mod compare;
 mod encode;
 mod exr;
+mod file;
 mod film;
 mod format;
 mod hdr;
@@ -18,8 +19,9 @@ mod write;
 
 pub use compare::{Comparison, Worst, compare, difference};
 pub use encode::{Clipped, linear_from_srgb, srgb_from_linear};
+pub use file::{Encoding, encode};
 pub use film::{Film, MOST_PIXELS};
-pub use format::{Bits, Encoded, Encoding, Format, encode};
+pub use format::{Bits, Encoded, Format};
 pub use read::{Limits, Picture, ReadOptions, decode_stored, read, read_stored};
 pub use samples::{Samples, Stored};
 pub use save::save;

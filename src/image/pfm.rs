@@ -1,6 +1,8 @@
 //! Portable float maps: a text header, then binary32 rows from the bottom up.
 
-use super::{Clipped, Encoded, Film};
+use super::encode::Clipped;
+use super::film::Film;
+use super::format::Encoded;
 
 /// Encodes a film in colour, little-endian, with scale 1.
 pub(super) fn encode(film: &Film) -> Encoded {

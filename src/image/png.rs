@@ -2,9 +2,10 @@
 
 use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, Info, SrgbRenderingIntent, Transformations};
 
-use super::format::cannot_hold;
+use super::encode::{Clipped, linear_from_srgb};
+use super::film::Film;
+use super::format::{Bits, Encoded, Format, cannot_hold};
 use super::samples::{Samples, Stored, code_of_16, light_of_codes};
-use super::{Bits, Clipped, Encoded, Film, Format, linear_from_srgb};
 use crate::Result;
 
 /// Encodes a film as RGB without alpha, marked as sRGB.

@@ -1,6 +1,7 @@
 //! Pixels of a picture file in its own depth, with its alpha channel.
 
-use super::{Film, linear_from_srgb};
+use super::encode::linear_from_srgb;
+use super::film::Film;
 
 /// Colours of a picture.
 #[derive(Clone, Debug)]

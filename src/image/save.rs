@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::{Bits, Destination, Encoding, Film, Format, encode};
+use super::file::{Encoding, encode};
+use super::film::Film;
+use super::format::{Bits, Format};
+use super::write::Destination;
 use crate::Result;
 
 /// Writes a film to a file: 8-bit sRGB as `.png`, linear as `.exr`, `.hdr` or `.pfm`, by the extension of `path`.

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::draft::Draft;
 use super::extent::Extent;
 use super::origin::{self, Frame, Loss};
-use super::pictures::Pictures;
+use super::pictures::{Picture, Pictures, Use};
 use super::report::{Hull, Reporter};
 use super::smooth::{Rule, smooth};
 use super::source::Root;
@@ -17,7 +17,7 @@ use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded};
 use crate::geometry::topology::{self, Edges, weld};
 use crate::geometry::{Geometry, Shape};
-use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Scene};
+use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Scene, Wrap};
 use crate::system::memory;
 use crate::{Error, Result};
 
@@ -30,7 +30,7 @@ pub(super) struct Assembly<'a> {
     pub(super) reporter: Reporter,
     pub(super) options: &'a LoadOptions,
     pub(super) root: Root,
-    pub(super) pictures: Pictures,
+    pictures: Pictures,
     triangles: u64,
     /// Objects whose dielectric mesh is inside out on its own.
     inside_out: Vec<(usize, InsideOut)>,
@@ -90,6 +90,22 @@ impl<'a> Assembly<'a> {
         }
         self.scene.materials.push(material);
         Ok(self.scene.materials.len() as u32 - 1)
+    }
+
+    /// Reads a picture once and returns its index. Its alpha channel is left out with a warning.
+    pub(super) fn picture(&mut self, path: &Path) -> Result<u32> {
+        let known = self.pictures.has(path);
+        let picture = self.picture_for(path, Use::Colour, [Wrap::Repeat; 2])?;
+        if picture.alpha.is_some() && !known {
+            self.reporter.warn(path, 0, "the picture's alpha channel is left out", String::new)?;
+        }
+        Ok(picture.texture)
+    }
+
+    /// Reads a picture once for a use and returns its indices.
+    pub(super) fn picture_for(&mut self, path: &Path, usage: Use, wrap: [Wrap; 2]) -> Result<Picture> {
+        let to = (&mut self.scene, &mut self.reporter);
+        self.pictures.read(path, usage, wrap, self.options.limits, to)
     }
 
     /// Reserves `count` more triangles.

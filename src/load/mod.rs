@@ -1,4 +1,4 @@
-//! Loading of files into a [`Scene`]: scene TOML, OBJ with MTL, pictures, built-in shapes. File formats are defined
+//! Loading of files into a [`Scene`]: scene TOML, models (OBJ with MTL, PLY, STL), pictures, built-in shapes. File formats are defined
 //! only in this room.
 //!
 //! Wrong input is an error that names file, line and value. Input that is odd but usable is a warning, counted in the
@@ -10,15 +10,20 @@ pub mod catalogue;
 mod document;
 mod draft;
 mod extent;
+mod format;
 mod holds;
+mod indexed;
 mod model;
 mod obj;
 mod origin;
 mod pictures;
+mod ply;
 mod report;
+mod request;
 pub mod shapes;
 mod smooth;
 mod source;
+mod stl;
 mod suggest;
 mod texture;
 mod transform;
@@ -95,7 +100,8 @@ pub struct Loaded {
     pub report: LoadReport,
 }
 
-/// Reads a scene file (`.toml`), or a model file (`.obj`) with a fitted camera, default lights and a sky.
+/// Reads a scene file (`.toml`), or a model file (`.obj`, `.ply`, `.stl`) with a fitted camera, default lights and a
+/// sky.
 ///
 /// # Errors
 /// - [`Error::Input`] or [`Error::File`] for wrong content.
@@ -104,11 +110,15 @@ pub struct Loaded {
 pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => document::load(path, options),
-        Some("obj") => model::load(path, options),
-        _ => {
-            let start = crate::system::files::read_start(path, 4096).unwrap_or_default();
-            let holds = holds::content(&start).map_or_else(String::new, |what| format!("it holds {what}; "));
-            Err(Error::file(path, format!("is neither a scene (.toml) nor a model (.obj); {holds}give one of these")))
-        }
+        _ => match format::Format::of(path) {
+            Some(format) => model::load(path, format, options),
+            None => {
+                let start = crate::system::files::read_start(path, 4096).unwrap_or_default();
+                let holds = holds::content(&start).map_or_else(String::new, |what| format!("it holds {what}; "));
+                let models = format::ENDINGS;
+                let message = format!("is neither a scene (.toml) nor a model ({models}); {holds}give one of these");
+                Err(Error::file(path, message))
+            }
+        },
     }
 }

@@ -7,8 +7,10 @@ use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
 use super::extent::WIDEST;
+use super::format::Format;
+use super::request::Request;
 use super::transform::Transform;
-use super::{LoadOptions, Loaded, obj};
+use super::{LoadOptions, Loaded};
 use crate::geometry::{Aabb, Shape};
 use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb, Scene};
 use crate::{Error, Result};
@@ -19,9 +21,9 @@ const VFOV: f32 = 40.0;
 const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
 /// Reads a model and builds a scene around it.
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
+pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result<Loaded> {
     let mut assembly = Assembly::new(path, options)?;
-    let request = obj::Request {
+    let request = Request {
         name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         material: None,
         replace: &[],
@@ -31,7 +33,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
-    obj::load(path, &request, &mut assembly)?;
+    format.load(path, &request, &mut assembly)?;
     assembly.settle(None)?;
     assembly.scene.camera = fitted(&bounds(&assembly.scene));
     assembly.scene.lights = lights(assembly.scene.camera.eye);
@@ -68,9 +70,9 @@ fn fitted(bounds: &Aabb) -> Camera {
 /// Direction of the key light: over the camera's left shoulder.
 const KEY: DVec3 = DVec3::new(0.6, -1.0, -0.7);
 
-/// Returns a key light, and two weak ones without shadows so that no side is black: one at the eye, which reaches all that
-/// is seen, and one opposite to the key light for sides that only mirrors and glass show. Key and eye light show a facing
-/// white surface as white.
+/// Returns a key light, and two weak ones without shadows so that no side is black. One is at the eye and reaches all
+/// that is seen; the other is opposite to the key light, for sides that only mirrors and glass show. Key and eye light
+/// show a facing white surface as white.
 fn lights(eye: Vec3) -> Vec<Light> {
     let far = |name: &str, direction: DVec3, strength: f32, shadows| Light {
         name: name.to_owned(),

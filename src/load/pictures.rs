@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::assembly::Assembly;
-use super::texture;
+use super::report::Reporter;
+use super::{Limits, texture};
 use crate::Result;
-use crate::scene::{Texels, Texture, Wrap};
+use crate::scene::{Scene, Texels, Texture, Wrap};
 
 /// Use of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,54 +33,54 @@ pub(super) struct Picture {
     pub alpha: Option<u32>,
 }
 
-impl Assembly<'_> {
-    /// Reads a picture once and returns its index. Its alpha channel is left out with a warning.
-    pub(super) fn picture(&mut self, path: &Path) -> Result<u32> {
-        let known = self.pictures.places.contains_key(&(path.to_owned(), Use::Colour, [Wrap::Repeat; 2]));
-        let picture = self.picture_for(path, Use::Colour, [Wrap::Repeat; 2])?;
-        if picture.alpha.is_some() && !known {
-            self.reporter.warn(path, 0, "the picture's alpha channel is left out", String::new)?;
-        }
-        Ok(picture.texture)
-    }
-
-    /// Reads a picture once for a use and returns its indices.
-    pub(super) fn picture_for(&mut self, path: &Path, usage: Use, wrap: [Wrap; 2]) -> Result<Picture> {
+impl Pictures {
+    /// Reads a picture once for a use, into the scene, and returns its indices.
+    pub(super) fn read(
+        &mut self,
+        path: &Path,
+        usage: Use,
+        wrap: [Wrap; 2],
+        limits: Limits,
+        (scene, reporter): (&mut Scene, &mut Reporter),
+    ) -> Result<Picture> {
         let key = (path.to_owned(), usage, wrap);
-        if let Some(&picture) = self.pictures.places.get(&key) {
+        if let Some(&picture) = self.places.get(&key) {
             return Ok(picture);
         }
-        let mut limits = self.options.limits;
-        limits.texture_bytes = limits.texture_bytes.saturating_sub(self.pictures.bytes);
-        let reading = texture::read(path, &limits, usage != Use::Colour)?;
-        let size = (reading.texture.width, reading.texture.height);
+        let left = limits.texture_bytes.saturating_sub(self.bytes);
+        let reading = texture::read(path, &Limits { texture_bytes: left, ..limits }, usage != Use::Colour)?;
+        let (width, height) = (reading.texture.width, reading.texture.height);
         if reading.repaired > 0 {
             let pixels = reading.texture.pixels.len();
             let kind = "pixels that are not finite or below zero count as black in those channels";
-            self.reporter.warn(path, 0, kind, || format!(" ({} of {pixels})", reading.repaired))?;
+            reporter.warn(path, 0, kind, || format!(" ({} of {pixels})", reading.repaired))?;
         }
         let name = reading.texture.name.clone();
-        let mask = |codes| Texture { wrap, ..Texture::new(name.as_str(), size.0, size.1, coverage(codes)) };
+        let mask = |codes| Texture { wrap, ..Texture::new(name.as_str(), width, height, coverage(codes)) };
+        let mut add = |texture: Texture| {
+            self.bytes += texture.pixels.bytes() as u64;
+            scene.add_texture(texture)
+        };
         let picture = match usage {
             Use::Colour => {
-                let texture = self.add_texture(Texture { wrap, ..reading.texture });
-                Picture { texture, alpha: reading.alpha.map(|codes| self.add_texture(mask(codes))) }
+                let texture = add(Texture { wrap, ..reading.texture });
+                Picture { texture, alpha: reading.alpha.map(|codes| add(mask(codes))) }
             }
             Use::Mask(channel) => {
                 let codes = match (reading.alpha, channel) {
                     (Some(alpha), None | Some(b'm')) => alpha,
                     (_, channel) => scalar(&reading.texture.pixels, channel),
                 };
-                Picture { texture: self.add_texture(mask(codes)), alpha: None }
+                Picture { texture: add(mask(codes)), alpha: None }
             }
         };
-        self.pictures.places.insert(key, picture);
+        self.places.insert(key, picture);
         Ok(picture)
     }
 
-    fn add_texture(&mut self, texture: Texture) -> u32 {
-        self.pictures.bytes += texture.pixels.bytes() as u64;
-        self.scene.add_texture(texture)
+    /// Returns true if the colours of a picture, repeated, were read before.
+    pub(super) fn has(&self, path: &Path) -> bool {
+        self.places.contains_key(&(path.to_owned(), Use::Colour, [Wrap::Repeat; 2]))
     }
 }
 

@@ -86,9 +86,9 @@ impl Root {
         Ok(())
     }
 
-    /// Returns the file that one of several spellings of a name stands for, relative to `folder`: the first that exists
-    /// as it is, else in any case, else the bare file name in `folder`, else that in any case. `shown` is the name in
-    /// messages.
+    /// Returns the file that one of several spellings of a name stands for, relative to `folder`. That is the first that
+    /// exists as it is, else in any case. Failing that, it is the bare file name in `folder`, else that in any case.
+    /// `shown` is the name in messages.
     ///
     /// # Errors
     /// Returns the reason, in words that follow a colon.

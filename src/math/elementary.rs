@@ -1,6 +1,6 @@
 //! `exp` and `pow` for `f32` and eight lanes of it, from the same operations in the same order.
 
-use super::Real;
+use super::real::Real;
 
 /// Operations of binary32 beyond [`Real`]: splitting a number into exponent and mantissa, and the reverse.
 pub trait Binary32: Real {

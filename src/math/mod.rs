@@ -4,6 +4,7 @@
 pub mod double;
 mod elementary;
 mod real;
+mod scalar;
 mod trigonometry;
 mod ulp;
 mod vector;

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::Real;
+use super::real::Real;
 
 /// `asin(s) = s + s^3 P(s^2)` on `|s| <= 1/2`, highest first: Moshier's minimax coefficients (Cephes, `asinf.c`).
 const ASIN_POLY: [f64; 5] =

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::Real;
+use super::real::Real;
 
 /// A vector of three components. `simd::Vec3x8` has eight lanes in each.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

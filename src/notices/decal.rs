@@ -1,6 +1,8 @@
 //! Check for opaque surfaces of different materials at the same place.
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::facts::Facts;
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::geometry::contact::Contacts;
 
 /// Two coplanar opaque surfaces that face the same side; the later one is visible.

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use super::facts::Facts;
 use super::facts::has_area;
-use super::{Check, Facts, Find, Finding, Place};
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::geometry::Shape;
 
 /// More than [`SHARE`] of a model is invisible, because faces were left out or cannot be hit.

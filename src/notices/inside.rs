@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::facts::Facts;
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::Shape;
 use crate::render::Outcome;

@@ -1,6 +1,8 @@
 //! Check for closed dielectrics whose faces point inwards.
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::facts::Facts;
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::load::Hull;
 
 /// Cure for a mesh that is wholly inside out.

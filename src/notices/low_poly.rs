@@ -5,7 +5,9 @@
 //! far facet has, is totally reflected, and circulates for ever. With flat facets the same mesh releases it after some
 //! reflections.
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::facts::Facts;
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::geometry::{Shape, TriMesh};
 use crate::render::Outcome;
 use crate::render::record::{Met, Node, Tree};

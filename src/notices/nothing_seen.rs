@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::facts::Facts;
+use super::notice::{Finding, Place};
 use super::view::{Extent, View};
-use super::{Check, Facts, Find, Finding, Place};
+use super::{Check, Find};
 use crate::geometry::{Aabb, Shape};
 use crate::render::Outcome;
 use crate::scene::{Dispersion, FresnelRule, Interface, Material, Rgb};

@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use super::{Facts, Notice, of_picture, of_scene};
+use super::facts::Facts;
+use super::notice::Notice;
+use super::{of_picture, of_scene};
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects;

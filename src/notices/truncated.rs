@@ -1,6 +1,8 @@
 //! Check for pictures that lack visible light because rays ended at a limit.
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::facts::Facts;
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::render::{Cure, Limit, Outcome, Shortfall};
 use crate::scene::MOST_PASSES;
 

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use super::facts::Facts;
 use super::inside::{dark_body, glows};
 use super::nothing_seen::is_visible;
-use super::{Check, Facts, Find, Finding, Place};
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 use crate::render::Outcome;
 use crate::render::record::Source;
 use crate::render::reference::Prepared;

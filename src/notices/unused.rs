@@ -1,6 +1,8 @@
 //! Check for materials of the scene file that no shape uses.
 
-use super::{Check, Facts, Find, Finding, Place};
+use super::facts::Facts;
+use super::notice::{Finding, Place};
+use super::{Check, Find};
 
 /// A `[[material]]` is not used by any `[[mesh]]`.
 pub(super) const CHECK: Check = Check { id: "unused-material", find: Find::InScene(find) };

@@ -1,22 +1,22 @@
-//! The boundary between two media, and crossing it: refraction and Fresnel from one square root.
+//! The boundary between two media: refraction and Fresnel reflectance from one square root.
 //!
-//! With `kc = 1 - (n2 / n1)^2` and `b = (n2 / n1) cos_t = sqrt(cos_i^2 - kc)`, the difference that both refraction
-//! and Fresnel need, `cos_i - b`, is `kc / (cos_i + b)`: no cancellation at any index ratio. `kc` is kept as a high
-//! and a low part and subtracted with one rounding, so that the critical angle loses no digits either.
+//! With `kc = 1 - (n2 / n1)^2` and `b = (n2 / n1) cos_t = sqrt(cos_i^2 - kc)`, both refraction and Fresnel need the
+//! difference `cos_i - b`. It is computed as `kc / (cos_i + b)`, which does not cancel at any index ratio. `kc` is kept
+//! as a high and a low part and subtracted with one rounding, so that the critical angle loses no digits either.
 //!
-//! Weights carry flux, as the Whitted model has it: the factor `(n2 / n1)^2` by which radiance grows inside the denser
-//! medium is left out. It cancels for light that leaves again.
+//! Weights carry flux, as in the Whitted model: the factor `(n2 / n1)^2` by which radiance grows inside the denser
+//! medium is omitted. It cancels for light that leaves again.
 
 use crate::math::{Real, Vector3};
 
-/// What is computed once for a pair of media.
+/// Constants of a pair of media.
 #[derive(Clone, Copy, Debug)]
 pub struct Boundary<R> {
     /// `n1 / n2`, incident over transmitted.
     pub eta: R,
     /// `1 - (n2 / n1)^2`, rounded.
     pub kc: R,
-    /// What `kc` misses.
+    /// Rounding error of `kc`: the exact value is `kc + kc_low`.
     pub kc_low: R,
     /// Reflectance at normal incidence, `((n1 - n2) / (n1 + n2))^2`.
     pub r0: R,
@@ -25,19 +25,19 @@ pub struct Boundary<R> {
 /// One ray at a boundary.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing<R: Real> {
-    /// Cosine of the angle of incidence, 0..=1: as given, but for what rounding puts outside.
+    /// Cosine of the angle of incidence, clamped to 0..=1.
     pub cos_i: R,
     /// `(n2 / n1) cos_t`; 0 under total reflection.
     pub b: R,
     /// Cosine of the angle of refraction; 0 under total reflection.
     pub cos_t: R,
-    /// Where all light is reflected and no refracted direction exists.
+    /// True under total reflection: all light is reflected and no refracted direction exists.
     pub total: R::Mask,
 }
 
 impl<R: Real> Boundary<R> {
-    /// The boundary a ray meets on its way from index `n1` into index `n2`, both above zero and finite, their ratio
-    /// within 1e-15..1e15 (else `kc` leaves the range of `f32`).
+    /// Boundary of a ray that travels from index `n1` into index `n2`. Both are above zero and finite, and their ratio
+    /// is within 1e-15..1e15 (else `kc` leaves the range of `f32`).
     #[must_use]
     pub fn new(n1: f64, n2: f64) -> Self {
         let (kc, kc_low) = R::split((n1 - n2) * (n1 + n2) / (n1 * n1));
@@ -45,12 +45,12 @@ impl<R: Real> Boundary<R> {
         Self { eta: R::splat(n1 / n2), kc, kc_low, r0: R::splat(r * r) }
     }
 
-    /// What happens to a ray that arrives at `cos_i` (0..=1; what lies outside counts as the nearer end, so that all
-    /// that follows sees one and the same cosine; NaN counts as 0, where all light is reflected).
+    /// Computes the crossing of a ray with the cosine `cos_i`. It is clamped to 0..=1, so that all later formulas use
+    /// the same cosine. NaN counts as 0, at which all light is reflected.
     ///
-    /// `b` is within 1.5 ulp of the exact one down to the critical angle where products are fused
-    /// ([`crate::math::FUSED`]); elsewhere rounding of `cos_i^2` puts it off by up to `2^-25 cos_i^2 / b`. Whether the
-    /// crossing is total is decided on the same difference, exact to about 2^-48 where fused and 2^-24 where not.
+    /// Where products are fused ([`crate::math::FUSED`]), `b` is within 1.5 ulp of the exact value down to the critical
+    /// angle. Elsewhere rounding of `cos_i^2` causes an error of up to `2^-25 cos_i^2 / b`. Total reflection is decided
+    /// by the same difference, exact to about 2^-48 where products are fused and 2^-24 elsewhere.
     #[inline(always)]
     #[must_use]
     pub fn cross(&self, cos_i: R) -> Crossing<R> {
@@ -61,8 +61,8 @@ impl<R: Real> Boundary<R> {
         Crossing { cos_i, b, cos_t: b * self.eta, total }
     }
 
-    /// The refracted direction: `eta (i + kc / (cos_i + b) n)`, of unit length for unit arguments. With equal
-    /// indices it is `incident` to the bit. Where the crossing is total it is `eta i`: finite, and nobody's direction.
+    /// Returns the refracted direction: `eta (i + kc / (cos_i + b) n)`, of unit length for unit arguments. With equal
+    /// indices it is `incident` to the bit. Under total reflection it is `eta i`, which is finite but has no meaning.
     ///
     /// Errors (angle): 3e-7 rad where refraction is well conditioned; `2e-7 / cos_t` near the critical angle, where
     /// every formula is limited by the rounding of its arguments.
@@ -73,8 +73,8 @@ impl<R: Real> Boundary<R> {
         normal.fma(bend, incident) * self.eta
     }
 
-    /// `cos_i - b`, as `kc / (cos_i + b)`; 0 between equal indices, even where grazing makes it 0/0, and where the
-    /// crossing is total.
+    /// Returns `cos_i - b`, as `kc / (cos_i + b)`. It is 0 between equal indices, also at grazing incidence, where the
+    /// quotient is 0/0, and under total reflection.
     #[inline(always)]
     fn bend(&self, at: &Crossing<R>) -> R {
         let straight = self.kc.eq(R::zero()) | at.total;

@@ -1,9 +1,8 @@
-//! Light at a boundary: pure functions of numbers, written once over [`crate::math::Real`] and used as `f32`, as
-//! eight lanes and as `f64`.
+//! Light at a boundary: pure functions of numbers, written once over [`crate::math::Real`] and used with `f32`, eight
+//! lanes and `f64`.
 //!
-//! Conventions, here and everywhere: `incident` points along travel; `normal` is a unit vector that faces the
-//! incident side, so that `cos_i = -(incident . normal) >= 0`; `eta = n1 / n2`, incident over transmitted;
-//! `cos_t >= 0`.
+//! Conventions of all functions: `incident` points along travel. `normal` is a unit vector that faces the incident
+//! side, so `cos_i = -(incident . normal) >= 0`. `eta = n1 / n2` is incident over transmitted index, and `cos_t >= 0`.
 
 mod absorb;
 mod boundary;
@@ -18,6 +17,7 @@ mod planar;
 mod polarised;
 mod reflect;
 mod refraction;
+mod schlick;
 mod spectrum;
 
 pub use absorb::{absorption_from_colour, transmittance};

@@ -1,58 +1,66 @@
 //! Polarisation carried along a path, from the camera towards the lights.
 //!
-//! A surface acts on light by a Mueller matrix, which in its own frame (first axis `s`, across the plane of incidence)
-//! is `[[a, b, 0, 0], [b, a, 0, 0], [0, 0, c, -d], [0, 0, d, c]]` for every boundary and every metal. The camera sees
-//! intensity, which is the first row of the product of all matrices from the camera on; a light that is not polarised
-//! adds its radiance times that row's first element. So a ray carries that element as its weight, and the other three
-//! over it: the *diattenuation vector* of the path so far (Lu & Chipman 1996), which is zero at the camera and never
-//! longer than 1.
+//! A surface acts on light by a Mueller matrix. In the frame of the surface, the first axis `s` lies across the plane of
+//! incidence. For every boundary and every metal the matrix in this frame is
 //!
-//! Frames: `x` is the axis that is carried, `y = dir x x` with the direction of the *ray*, for every ray alike. With the
-//! electric field's components along them and a time factor `exp(-i w t)`, `Q = |E_x|^2 - |E_y|^2` and
-//! `U + i V = 2 E_x conj(E_y)`.
+//! ```text
+//! a  b  0  0
+//! b  a  0  0
+//! 0  0  c -d
+//! 0  0  d  c
+//! ```
+//!
+//! The camera sees intensity: the first row of the product of all matrices from the camera on. Unpolarised light adds its
+//! radiance times the first element of that row. So a ray carries that element as its weight, and the ratio of the other
+//! three to it. This is the *diattenuation vector* of the path so far (Lu & Chipman 1996). It is zero at the camera and
+//! never longer than 1.
+//!
+//! Frames: `x` is the axis that is carried, and `y = dir x x` with the direction of the *ray*, for every ray alike.
+//! With the electric field's components along them and a time factor `exp(-i w t)`, `Q = |E_x|^2 - |E_y|^2` and `U + i
+//! V = 2 E_x conj(E_y)`.
 
+use super::boundary::{Boundary, Crossing};
 use super::conductor::Metal;
 use super::polarised::Amplitudes;
-use super::{Boundary, Crossing};
 use crate::math::{Real, Vector3};
 
-/// What a surface does to light, in the frame of its plane of incidence. All zero where no light comes this way.
+/// Action of a surface on light, in the frame of its plane of incidence. All zero if no light goes this way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mueller<R> {
-    /// The share of unpolarised light that goes on: the mean of both polarisations, 0..=1.
+    /// Share of unpolarised light that goes on: the mean of both polarisations, 0..=1.
     pub a: R,
-    /// Half of what the `s` part's share is above the `p` part's, within `-a..=a`.
+    /// Half the difference between the shares of the `s` and the `p` part, within `-a..=a`.
     pub b: R,
-    /// Cosine part of the phase between the two, times the root of their shares' product.
+    /// Cosine of the phase between the two parts, times the root of the product of their shares.
     pub c: R,
-    /// Sine part of it; 0 but for total reflection and metals.
+    /// Sine of that phase, times the same root. It is 0 except for total reflection and metals.
     pub d: R,
 }
 
-/// How much more a path lets through of polarised light than of unpolarised, by polarisation, relative to the latter.
+/// Excess of a path's transmittance for polarised light over that for unpolarised light, relative to the latter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diattenuation<R> {
-    /// Linear, along the frame's `x` (1 where nothing but that gets through) against along its `y` (-1).
+    /// Linear polarisation along the frame's `x` (1 if only that is transmitted) against along its `y` (-1).
     pub q: R,
-    /// Linear, at 45 degrees between `x` and `y` against across.
+    /// Linear polarisation at 45 degrees between `x` and `y` against across that.
     pub u: R,
-    /// Circular, of the one hand against the other.
+    /// Circular polarisation, one hand against the other.
     pub v: R,
 }
 
-/// Where the plane of incidence lies in a ray's frame.
+/// Orientation of a plane of incidence in a ray's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneOfIncidence<R> {
-    /// Unit vector across the plane of incidence, and across the ray: the frame's new `x`.
+    /// Unit vector across the plane of incidence and across the ray: `x` of the surface's frame.
     pub s: Vector3<R>,
     /// Cosine of twice the angle from `x` to `s`.
     pub cos2: R,
-    /// Sine of it.
+    /// Sine of twice the angle from `x` to `s`.
     pub sin2: R,
 }
 
 impl<R: Real> Mueller<R> {
-    /// Nothing goes this way.
+    /// A surface that sends no light this way.
     #[inline(always)]
     #[must_use]
     pub fn none() -> Self {
@@ -60,14 +68,14 @@ impl<R: Real> Mueller<R> {
         Self { a: zero, b: zero, c: zero, d: zero }
     }
 
-    /// All light goes straight on as it is, but for a share that both polarisations lose alike.
+    /// Light that goes straight on, reduced to the same share for both polarisations.
     #[inline(always)]
     #[must_use]
     pub fn straight(share: R) -> Self {
         Self { a: share, b: R::zero(), c: share, d: R::zero() }
     }
 
-    /// An ideal mirror: both polarisations alike, the `p` axis turned over.
+    /// An ideal mirror: the same share for both polarisations, with the `p` axis turned over.
     #[inline(always)]
     #[must_use]
     pub fn mirror(share: R) -> Self {
@@ -87,8 +95,8 @@ impl<R: Real> Mueller<R> {
         Self::select(boundary.kc.eq(zero), Self::none(), Self::select(at.total, total, partial))
     }
 
-    /// What is reflected totally keeps its shares, and `p` falls behind `s` by the angle whose half has the tangent
-    /// `cos_i sqrt(sin_i^2 - (n2 / n1)^2) / sin_i^2`.
+    /// Total reflection keeps all light of both polarisations, and `p` falls behind `s`. Half of the phase has the
+    /// tangent `cos_i sqrt(sin_i^2 - (n2 / n1)^2) / sin_i^2`.
     #[inline(always)]
     fn totally_reflected(boundary: &Boundary<R>, cos_i: R) -> Self {
         let one = R::one();
@@ -99,7 +107,7 @@ impl<R: Real> Mueller<R> {
         Self { a: one, b: R::zero(), c: (x - y) * (x + y) * over, d: (x + x) * y * over }
     }
 
-    /// Refraction through a dielectric boundary; none where reflection is total.
+    /// Refraction through a dielectric boundary; no light under total reflection.
     #[inline(always)]
     #[must_use]
     pub fn refracted(boundary: &Boundary<R>, at: &Crossing<R>) -> Self {
@@ -107,7 +115,7 @@ impl<R: Real> Mueller<R> {
         let c = at.cos_i;
         let sum = c + at.b;
         let s2 = (one - c) * (one + c);
-        // Cosine of the angle that the ray is bent by: the field's components along it are what differs.
+        // Cosine of the angle by which the ray is bent. The amplitudes of the two parts differ by this factor.
         let over = one / (boundary.eta * c.fma(at.b, s2));
         let t_s = R::splat(4.0) * c * at.b / (sum * sum);
         let t_p = t_s * over * over;
@@ -124,9 +132,9 @@ impl<R: Real> Mueller<R> {
         Self { a: (half * r_s.fma(q2, r_s)).min(one), b: half * (-r_s).fma(q2, r_s), c: -(r_s * q_re), d: r_s * q_im }
     }
 
-    /// Both ways at a pane whose face reflects as `self`, and at whose far side the same medium lies: what comes back
-    /// and what goes straight through, all inner reflections summed without regard to their phases, which a thickness
-    /// of many wavelengths blurs. Where the face reflects totally, the pane does.
+    /// Reflection from and transmission through a pane whose face reflects as `self`, with the same medium on both
+    /// sides. All inner reflections are summed without regard to their phases, which a thickness of many wavelengths
+    /// averages out. If the face reflects totally, so does the pane.
     #[inline(always)]
     #[must_use]
     pub fn pane(self, total: R::Mask) -> (Self, Self) {
@@ -137,7 +145,7 @@ impl<R: Real> Mueller<R> {
             (back, (one - r) / (one + r))
         };
         let ((back_s, on_s), (back_p, on_p)) = (both(r_s), both(r_p));
-        // Once in, k times to and fro, once out: t_s t_p (r_s r_p)^k in all, odd k coming back.
+        // Once in, k times to and fro, once out: t_s t_p (r_s r_p)^k in all. Odd k go back.
         let open = (-self.c).fma(self.c, one);
         let through = R::select(open.gt(zero), (one - r_s) * (one - r_p) / open, zero);
         let back =
@@ -146,7 +154,7 @@ impl<R: Real> Mueller<R> {
         (Self::select(total, self, back), Self::select(total, Self::none(), on))
     }
 
-    /// `yes` where `mask` is true, else `no`.
+    /// Selects `yes` in lanes in which `mask` is true, else `no`.
     #[inline(always)]
     #[must_use]
     pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
@@ -160,14 +168,14 @@ impl<R: Real> Mueller<R> {
 }
 
 impl<R: Real> Diattenuation<R> {
-    /// Of a path that treats all polarisations alike, such as none.
+    /// Diattenuation of a path that treats all polarisations alike, such as one without surfaces.
     #[inline(always)]
     #[must_use]
     pub fn none() -> Self {
         Self { q: R::zero(), u: R::zero(), v: R::zero() }
     }
 
-    /// In the frame whose `x` is the plane's `s`.
+    /// Returns the same diattenuation in the frame whose `x` is the plane's `s`.
     #[inline(always)]
     #[must_use]
     pub fn in_plane(&self, plane: &PlaneOfIncidence<R>) -> Self {
@@ -178,15 +186,15 @@ impl<R: Real> Diattenuation<R> {
         }
     }
 
-    /// The factor that a surface puts on the weight of a path that has this diattenuation, in the surface's frame:
-    /// 0..=1, outside of which only rounding could put it.
+    /// Returns the factor that a surface puts on the weight of a path with this diattenuation, in the surface's frame.
+    /// It is in 0..=1, and clamped against rounding.
     #[inline(always)]
     #[must_use]
     pub fn gain(&self, surface: &Mueller<R>) -> R {
         self.q.fma(surface.b, surface.a).max(R::zero()).min(R::one())
     }
 
-    /// Of the path with the surface added to it, in the surface's frame; none where nothing goes on.
+    /// Returns the diattenuation of the path extended by the surface, in the surface's frame; none if no light goes on.
     #[inline(always)]
     #[must_use]
     pub fn then(&self, surface: &Mueller<R>) -> Self {
@@ -201,10 +209,10 @@ impl<R: Real> Diattenuation<R> {
 }
 
 impl<R: Real> PlaneOfIncidence<R> {
-    /// The plane of incidence of a ray with unit direction `dir` and frame axis `x` (a unit vector across `dir`) at a
-    /// surface with normal `normal`. Head on, where every plane is one, it is the one across `x`.
+    /// Plane of incidence of a ray with unit direction `dir` and frame axis `x`, a unit vector across `dir`, at a
+    /// surface with normal `normal`. At normal incidence, where any plane would do, it is the one across `x`.
     ///
-    /// The angle is taken within the frame, so that `s` is as exactly across the ray as `x` is at any incidence.
+    /// The angle is computed in the frame, so `s` is as exactly across the ray as `x` is, at any incidence.
     #[inline(always)]
     #[must_use]
     pub fn of_incidence(dir: Vector3<R>, x: Vector3<R>, normal: Vector3<R>) -> Self {
@@ -219,7 +227,7 @@ impl<R: Real> PlaneOfIncidence<R> {
     }
 }
 
-/// Any unit vector across the unit vector `dir`: a frame for a ray that knows no polarisation yet.
+/// Returns a unit vector across the unit vector `dir`: a frame for a ray without polarisation.
 #[inline(always)]
 pub fn any_across<R: Real>(dir: Vector3<R>) -> Vector3<R> {
     let zero = R::zero();
@@ -228,8 +236,8 @@ pub fn any_across<R: Real>(dir: Vector3<R>) -> Vector3<R> {
     Vector3::select(dir.z.abs().lt(dir.x.abs()), in_xy, in_yz).normalized()
 }
 
-/// The unit vector across the unit vector `dir` next to `axis`, which is nearly across it: rounding, and normals bent
-/// for the sake of consistency, tilt frames a little.
+/// Returns the unit vector across `dir` closest to `axis`, which is nearly across it. Rounding and bent normals tilt
+/// frames a little.
 #[inline(always)]
 pub fn made_across<R: Real>(axis: Vector3<R>, dir: Vector3<R>) -> Vector3<R> {
     dir.fma(-axis.dot(dir), axis).normalized()

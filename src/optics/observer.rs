@@ -6,7 +6,7 @@
 /// First wavelength of [`TABLE`], in nanometres.
 const FIRST: f64 = 380.0;
 
-/// Distance between the rows of [`TABLE`], in nanometres.
+/// Distance between rows of [`TABLE`], in nanometres.
 const STEP: f64 = 5.0;
 
 /// Linear sRGB of CIE XYZ (IEC 61966-2-1, with the digits of the exact primaries).
@@ -24,7 +24,7 @@ pub fn linear_srgb([x, y, z]: [f64; 3]) -> [f64; 3] {
 #[must_use]
 pub fn colour_matching(nm: f64) -> [f64; 3] {
     let Some((row, t)) = place(nm) else { return [0.0; 3] };
-    // Lagrange's polynomial through four rows, of which `nm` lies between the middle two but at the ends.
+    // Lagrange's polynomial through four rows. Except at the ends, `nm` lies between the middle two.
     let first = row.clamp(1, TABLE.len() - 3) - 1;
     let t = t + row as f64 - first as f64 - 1.0;
     let factors = [
@@ -43,14 +43,15 @@ pub fn daylight(nm: f64) -> f64 {
     place(nm).map_or(0.0, |(row, t)| TABLE[row][3] + t * (TABLE[row + 1][3] - TABLE[row][3]))
 }
 
-/// Linear sRGB of the part of white light at a wavelength in nanometres, per unit of wavelength, in a unit of its own.
-/// Channels may be below 0: spectral colours lie outside the triangle of the screen's primaries.
+/// Linear sRGB of the part of white light at a wavelength in nanometres, per unit of wavelength. The scale is
+/// arbitrary. Channels may be below 0, since spectral colours lie outside the triangle of the screen's primaries.
 #[must_use]
 pub fn white_at(nm: f64) -> [f64; 3] {
     linear_srgb(colour_matching(nm)).map(|channel| channel * daylight(nm))
 }
 
-/// The row of [`TABLE`] at or before a wavelength, at most the last but one, and the way to the next, 0..=1.
+/// Returns the row of [`TABLE`] at or before a wavelength, at most the last but one, and the fraction of the way to the
+/// next, 0..=1.
 fn place(nm: f64) -> Option<(usize, f64)> {
     let at = (nm - FIRST) / STEP;
     let last = TABLE.len() - 1;

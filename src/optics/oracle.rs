@@ -1,5 +1,4 @@
-//! The textbook's formulas with twice the digits of `f64`, as they stand there: their cancellation leaves 50 bits and
-//! more.
+//! Textbook formulas evaluated with twice the digits of `f64`. Their cancellation leaves more than 50 correct bits.
 
 use crate::math::Vector3;
 use crate::math::double::{Double, d};
@@ -9,7 +8,7 @@ use crate::math::double::{Double, d};
 pub struct Direction([Double; 3]);
 
 impl Direction {
-    /// A vector, as it is.
+    /// Converts a vector without rounding.
     #[must_use]
     pub fn of(v: Vector3<impl Into<f64>>) -> Self {
         Self([d(v.x), d(v.y), d(v.z)])
@@ -29,13 +28,14 @@ impl Direction {
         Self(self.0.map(|x| x.over(length)))
     }
 
-    /// The angle to another vector, in radians, from their difference, so that small angles keep their digits.
+    /// Returns the angle to another vector, in radians. It is computed from their difference, so that small angles keep
+    /// their digits.
     #[must_use]
     pub fn angle_to(self, o: Vector3<impl Into<f64>>) -> f64 {
         let me = self.unit();
         let them = Self::of(o).unit();
         let apart: [f64; 3] = std::array::from_fn(|k| (them.0[k] - me.0[k]).narrow());
-        // Of unit vectors the chord: sin of half the angle, twice.
+        // The chord of unit vectors is twice the sine of half the angle.
         let chord = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
         2.0 * (chord * 0.5).min(1.0).asin()
     }
@@ -48,14 +48,14 @@ impl Direction {
     }
 }
 
-/// `i - 2 (i . n) n` of the very vectors given.
+/// Returns `i - 2 (i . n) n` of exactly these vectors.
 #[must_use]
 pub fn mirror<T: Into<f64>>(i: Vector3<T>, n: Vector3<T>) -> Direction {
     let (i, n) = (Direction::of(i), Direction::of(n));
     i.sum(d(1.0), n, i.dot(n) * d(-2.0))
 }
 
-/// Snell's law for the directions that `i` and `n` stand for; none under total reflection.
+/// Snell's law for the directions of `i` and `n`; `None` under total reflection.
 #[must_use]
 pub fn refract<T: Into<f64>>(i: Vector3<T>, n: Vector3<T>, n1: f64, n2: f64) -> Option<Direction> {
     let (i, n) = (Direction::of(i).unit(), Direction::of(n).unit());

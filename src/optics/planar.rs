@@ -2,20 +2,20 @@
 
 use crate::math::{Real, Vector3};
 
-/// The affine map that mirrors space in a plane: three rows of four, the last row `0 0 0 1` left out.
+/// Affine map that mirrors space in a plane: three rows of four numbers, without the last row `0 0 0 1`.
 ///
-/// As the slides on mirrors have it: `1 - 2 V V^T`, and `2 (P . V) V` in the fourth column, for the plane through the
-/// point `P` with the normal `V`. They do not say that `V` must be of unit length; with any other it scales as well,
-/// which is why [`PlanarReflection::new`] makes it one. (Where a plane is given as `V . x = d`, the column is `2 d V`.)
+/// As in the slides on mirrors: `1 - 2 V V^T`, and `2 (P . V) V` in the fourth column, for the plane through the point
+/// `P` with the normal `V`. The slides do not say that `V` must be of unit length; with any other length the map
+/// scales, too. [`PlanarReflection::new`] normalises it. (For a plane given as `V . x = d`, the column is `2 d V`.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanarReflection<R> {
-    /// Rows of the matrix; a point is the column `(x, y, z, 1)`, a direction `(x, y, z, 0)`.
+    /// Rows of the matrix. A point is the column `(x, y, z, 1)`, a direction `(x, y, z, 0)`.
     pub rows: [[R; 4]; 3],
 }
 
 impl<R: Real> PlanarReflection<R> {
-    /// The mirror through `point` across `normal`, of any length but 0. A normal without a usable length (zero, or
-    /// one whose square is not a number above 0) mirrors nothing: the identity.
+    /// Creates the mirror through `point` across `normal`, of any length but 0. If the squared length is not a number
+    /// above 0, the result is the identity.
     #[must_use]
     pub fn new(point: Vector3<R>, normal: Vector3<R>) -> Self {
         let length2 = normal.length_squared();
@@ -31,15 +31,15 @@ impl<R: Real> PlanarReflection<R> {
         Self { rows: [row(0, v.x), row(1, v.y), row(2, v.z)] }
     }
 
-    /// The map that leaves everything where it is.
+    /// The map that changes nothing.
     #[must_use]
     pub fn identity() -> Self {
         let row = |i: usize| std::array::from_fn(|k| if k == i { R::one() } else { R::zero() });
         Self { rows: [row(0), row(1), row(2)] }
     }
 
-    /// The map that mirrors by `first` and then by this one: a mirror seen in a mirror. Of an even number of mirrors it
-    /// keeps the winding of triangles, of an odd number it flips it.
+    /// Returns the map that mirrors by `first` and then by this one: a mirror seen in a mirror. An even number of
+    /// mirrors keeps the winding of triangles, an odd number flips it.
     #[must_use]
     pub fn after(&self, first: &Self) -> Self {
         let [x, y, z] = first.rows;
@@ -64,7 +64,7 @@ impl<R: Real> PlanarReflection<R> {
         self.map(|[x, y, z, w]| z.fma(p.z, y.fma(p.y, x.fma(p.x, w))))
     }
 
-    /// Where the mirror image of a direction points: [`super::reflect`], as a matrix.
+    /// Returns the mirror image of a direction: [`super::reflect`], as a matrix.
     #[inline(always)]
     #[must_use]
     pub fn direction(&self, d: Vector3<R>) -> Vector3<R> {

@@ -1,10 +1,10 @@
-//! Wavelengths that stand for white light, and the colour of each.
+//! Wavelengths that stand for white light, and their colours.
 //!
-//! White light has the spectrum of the illuminant D65 ([`super::white_at`]). It is divided into bands of equal width over
-//! the visible range; of each band one wavelength is traced. Its weight is what that wavelength adds to red, green and
-//! blue, scaled so that all bands together are exactly white: light whose bands arrive together is what it would be
-//! undivided. The weights of one channel sum to 1 and may be below zero, since spectral colours lie outside the triangle
-//! of the screen's primaries.
+//! White light has the spectrum of the illuminant D65 ([`super::white_at`]). The visible range is divided into bands of
+//! equal width, and one wavelength of each band is traced. Its weight is its contribution to red, green and blue,
+//! scaled so that all bands together are exactly white. So light whose bands arrive together is the same as undivided
+//! light. The weights of one channel sum to 1 and may be below zero, since spectral colours lie outside the triangle of
+//! the screen's primaries.
 
 use super::observer::white_at;
 
@@ -12,32 +12,33 @@ use super::observer::white_at;
 /// peak.
 pub const VISIBLE: [f64; 2] = [385.0, 705.0];
 
-/// Fewest bands that sample the matching functions evenly enough to be scaled to white: with fewer, a channel's sum
-/// would be off by more than a tenth before it is scaled.
+/// Smallest number of bands. With fewer, the matching functions are sampled so unevenly that a channel's sum would be
+/// off by more than a tenth before it is scaled to white.
 pub const FEWEST_BANDS: u32 = 7;
 
-/// Directions of two wavelengths that differ by no more than this are one, in radians (as the length of the difference
-/// of unit vectors): light of a white ray divides only where they differ by more. It is half a pixel of a picture of
-/// 40 degrees in 1400 rows.
+/// Largest difference, in radians, at which directions of two wavelengths count as one. A white ray divides only if
+/// they differ by more. The difference is measured as the length of the difference of unit vectors. The value is half a
+/// pixel of a picture of 40 degrees in 1400 rows.
 pub const SEPARATION: f64 = 2.5e-4;
 
-/// Most sets of wavelengths that the samples of a pixel take turns in.
+/// Largest number of wavelength sets that the samples of a pixel take in turn.
 const MOST_SETS: u32 = 64;
 
-/// Weights are multiples of this, so that sums of them are exact in `f32` while they stay below 4.
+/// Unit of weights: weights are multiples of this, so that their sums are exact in `f32` below 4.
 const QUANTUM: f64 = 1.0 / 4_194_304.0;
 
-/// One set of wavelengths that together are white.
+/// Set of wavelengths that together are white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
     /// The wavelengths, rising, in nanometres.
     pub nm: Vec<f64>,
-    /// What each adds to red, green and blue; exactly 1 in every channel together, in any order of summation.
+    /// Contribution of each wavelength to red, green and blue. The sum over all is exactly 1 in every channel, in any
+    /// order of summation.
     pub weight: Vec<[f32; 3]>,
 }
 
 impl Bands {
-    /// `count` bands (but [`FEWEST_BANDS`] where that is more), each with the wavelength at `offset` (0..1) of its width.
+    /// Creates `count` bands, at least [`FEWEST_BANDS`], each with its wavelength at `offset` (0..1) of its width.
     #[must_use]
     pub fn new(count: u32, offset: f64) -> Self {
         let count = count.max(FEWEST_BANDS);
@@ -48,7 +49,7 @@ impl Bands {
         for channel in 0..3 {
             let sum: f64 = colours.iter().map(|c| c[channel]).sum();
             let mut steps: Vec<f64> = colours.iter().map(|c| (c[channel] / sum / QUANTUM).round()).collect();
-            // What rounding leaves over goes where it is smallest in proportion: to the largest.
+            // The largest weight takes what rounding left over, since the relative change is smallest there.
             let missing = 1.0 / QUANTUM - steps.iter().sum::<f64>();
             if let Some(largest) = steps.iter_mut().max_by(|a, b| a.total_cmp(b)) {
                 *largest += missing;
@@ -61,19 +62,21 @@ impl Bands {
     }
 }
 
-/// The sets of wavelengths that a pixel's samples take turns in, so that together they sample the spectrum finer than
-/// any one of them.
+/// Sets of wavelengths that a pixel's samples take in turn, so that together they sample the spectrum more finely than
+/// one set.
 #[derive(Clone, Debug)]
 pub struct Spectrum {
     sets: Vec<Bands>,
 }
 
 impl Spectrum {
-    /// `bands` wavelengths a ray (but [`FEWEST_BANDS`] where that is more), for `samples` by `samples` rays a pixel.
+    /// Creates sets of `bands` wavelengths per ray, at least [`FEWEST_BANDS`], for `samples` by `samples` rays per
+    /// pixel.
     #[must_use]
     pub fn new(bands: u32, samples: u32) -> Self {
         let sets = samples.saturating_mul(samples).clamp(1, MOST_SETS);
-        // Steps of about the golden ratio: rays that are neighbours in a row or a column get offsets far apart.
+        // Steps of about the golden ratio, so that rays that are neighbours in a row or a column get very different
+        // offsets.
         let step = (1..=sets).find(|&m| f64::from(m) >= 0.618 * f64::from(sets) && coprime(m, sets)).unwrap_or(1);
         let offset = |set: u32| (f64::from(set * step % sets) + 0.5) / f64::from(sets);
         Self { sets: (0..sets).map(|set| Bands::new(bands, offset(set))).collect() }
@@ -85,7 +88,7 @@ impl Spectrum {
         &self.sets
     }
 
-    /// Which set the `sample`th ray of a pixel takes.
+    /// Index of the set for a pixel's sample with this index.
     #[must_use]
     pub fn set_of(&self, sample: u32) -> usize {
         sample as usize % self.sets.len()

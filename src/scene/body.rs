@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Interface, Scene};
+use super::Scene;
+use super::material::Interface;
 use crate::geometry::{Shape, TriMesh};
 
 /// Relative difference below which two volumes count as equal.

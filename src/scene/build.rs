@@ -1,6 +1,9 @@
 //! Construction of scenes by code: each method adds one element and returns its index.
 
-use super::{Interface, Light, Material, Medium, Object, Origin, Scene, Texture};
+use super::light::Light;
+use super::material::{Interface, Material, Medium};
+use super::texture::Texture;
+use super::{Object, Origin, Scene};
 use crate::geometry::{Geometry, GeometryMask, Shape};
 
 /// Returns the index of the last element of a list.

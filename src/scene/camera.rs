@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::MapKind;
+use super::map::MapKind;
 
 /// Camera. In the picture x runs right and y down; the middle of the picture looks from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq)]

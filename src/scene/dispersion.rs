@@ -1,6 +1,6 @@
 //! Dispersion: the refractive index of a medium as a function of wavelength.
 
-use super::Medium;
+use super::material::Medium;
 
 /// Curve of the index over the wavelength. Wavelengths are in air and in nanometres; the coefficients are for
 /// micrometres, as in the literature.

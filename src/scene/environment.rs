@@ -1,6 +1,7 @@
 //! Environment around the scene.
 
-use super::{MapKind, Rgb};
+use super::Rgb;
+use super::map::MapKind;
 
 /// Radiance by direction for rays that hit nothing. It is visible directly, in reflections and by refraction. It lights
 /// no diffuse surface; use ambient light for that.

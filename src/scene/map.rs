@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::{Rgb, Texture};
+use super::Rgb;
+use super::texture::Texture;
 use crate::math::Real;
 
 crate::choice! {

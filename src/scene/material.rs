@@ -25,7 +25,8 @@
 
 use glam::Vec3;
 
-use super::{Dispersion, Rgb};
+use super::Rgb;
+use super::dispersion::Dispersion;
 
 /// Material of a surface.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,11 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::{Mask8, magnitude};
+use wide::Select;
+
+#[cfg(all(target_feature = "avx512dq", target_feature = "avx512vl"))]
+use super::magnitude;
+use super::mask8::Mask8;
 use crate::math::{self, Binary32, Real};
 
 /// Eight `f32` numbers, one a lane; 32 bytes, aligned to 32.
@@ -105,6 +109,15 @@ impl F32x8 {
     }
 }
 
+impl Mask8 {
+    /// `yes` where true, else `no`.
+    #[inline(always)]
+    #[must_use]
+    pub fn select(self, yes: F32x8, no: F32x8) -> F32x8 {
+        F32x8(Select::select(self.0, yes.0, no.0))
+    }
+}
+
 impl From<f32> for F32x8 {
     /// The same number in all lanes.
     #[inline(always)]
@@ -177,13 +190,15 @@ impl Real for F32x8 {
     fn max_or(self, other: Self) -> Self {
         if cfg!(target_arch = "x86_64") { Self(self.0.fast_max(other.0)) } else { other.lt(self).select(self, other) }
     }
+    #[cfg(all(target_feature = "avx512dq", target_feature = "avx512vl"))]
     #[inline(always)]
     fn least_magnitude(self, other: Self) -> Self {
-        magnitude::least(self, other)
+        Self(magnitude::least(self.0, other.0))
     }
+    #[cfg(all(target_feature = "avx512dq", target_feature = "avx512vl"))]
     #[inline(always)]
     fn greatest_magnitude(self, other: Self) -> Self {
-        magnitude::greatest(self, other)
+        Self(magnitude::greatest(self.0, other.0))
     }
     #[inline(always)]
     fn exp(self) -> Self {
@@ -304,6 +319,24 @@ mod tests {
         }
         v.resize(v.len().next_multiple_of(8), 1.0);
         v
+    }
+
+    #[test]
+    fn magnitudes_are_compared_as_every_cpu_compares_them() {
+        let mut numbers = vec![0.0, -0.0, 1e-45, -1e-45, f32::MIN_POSITIVE, 1.0, -1.0, f32::MAX, f32::NEG_INFINITY];
+        let mut state = 7_u32;
+        while numbers.len() < 400 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            numbers.extend(Some(f32::from_bits(state)).filter(|x| !x.is_nan()));
+        }
+        for &x in &numbers {
+            for y in numbers.as_chunks::<8>().0 {
+                let (x, y) = (F32x8::from(x), F32x8::new(*y));
+                let bits = |z: F32x8| z.to_array().map(f32::to_bits);
+                assert_eq!(bits(x.least_magnitude(y)), bits(x.abs().min_or(y.abs())), "{x:?} {y:?}");
+                assert_eq!(bits(x.greatest_magnitude(y)), bits(x.abs().max_or(y.abs())), "{x:?} {y:?}");
+            }
+        }
     }
 
     fn same(a: f32, b: f32) -> bool {

@@ -2,9 +2,6 @@
 
 use std::ops::{BitAnd, BitAndAssign, BitOr, BitOrAssign, Not};
 
-use wide::Select;
-
-use super::F32x8;
 use crate::math::LaneMask;
 
 /// Eight truth values, one a lane: all bits of the lane set, or none.
@@ -65,13 +62,6 @@ impl Mask8 {
     #[must_use]
     pub fn none(self) -> bool {
         self.bits() == 0
-    }
-
-    /// `yes` where true, else `no`.
-    #[inline(always)]
-    #[must_use]
-    pub fn select(self, yes: F32x8, no: F32x8) -> F32x8 {
-        F32x8(Select::select(self.0, yes.0, no.0))
     }
 }
 
@@ -150,6 +140,7 @@ impl BitOrAssign for Mask8 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::f32x8::F32x8;
     use super::*;
 
     /// Case LN-07 of the catalogue.

@@ -3,6 +3,7 @@
 mod bits;
 mod f32x8;
 pub mod level;
+#[cfg(all(target_feature = "avx512dq", target_feature = "avx512vl"))]
 mod magnitude;
 mod mask8;
 mod memory;

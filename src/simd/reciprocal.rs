@@ -1,6 +1,6 @@
 //! Three ways to compute a reciprocal, each a type.
 
-use super::F32x8;
+use super::f32x8::F32x8;
 use crate::math::Real;
 
 /// Numbers with a hardware estimate of the reciprocal.

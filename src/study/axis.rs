@@ -111,7 +111,7 @@ impl Axis {
         Self::parse(name).ok()
     }
 
-    /// Its levels, cheapest claim first.
+    /// Levels of the axis, in order of the accuracy that they promise.
     #[must_use]
     pub fn levels(self) -> Vec<Level> {
         match self {
@@ -139,7 +139,7 @@ impl Axis {
         }
     }
 
-    /// Reason for which this axis cannot change pictures of `scene`, if there is one.
+    /// Reason why this axis cannot change pictures of `scene`, if there is one.
     #[must_use]
     pub fn idle(self, scene: &Scene) -> Option<&'static str> {
         let any = |wanted: fn(&Interface) -> bool| scene.materials.iter().any(|m| wanted(&m.interface));
@@ -171,7 +171,7 @@ impl Axis {
 }
 
 impl Level {
-    /// The axis it is a level of.
+    /// Axis of the level.
     #[must_use]
     pub fn axis(self) -> Axis {
         match self {
@@ -190,7 +190,7 @@ impl Level {
         }
     }
 
-    /// The level of `axis` that is called `name`: one of [`Axis::levels`], or another number that can be a level.
+    /// Returns the level of `axis` with this name: one of [`Axis::levels`], or another number that can be a level.
     #[must_use]
     pub fn parse(axis: Axis, name: &str) -> Option<Self> {
         let number = |text: &str| text.parse::<u32>().ok();

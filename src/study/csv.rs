@@ -1,10 +1,10 @@
-//! The report as lines of comma-separated values, one a variant (RFC 4180).
+//! The report as comma-separated values, one line per variant (RFC 4180).
 
 use super::axis::Axis;
 use super::errors::Errors;
 use super::report::Report;
 
-/// The table of all rows, with a line of names first.
+/// Returns the table of all rows, after a line of names.
 #[must_use]
 pub fn table(report: &Report) -> String {
     let mut text = Axis::ALL.map(Axis::name).join(",");

@@ -1,4 +1,4 @@
-//! From a variant to its picture.
+//! Rendering of variants.
 
 use std::time::Instant;
 
@@ -15,25 +15,25 @@ use crate::render::{Observer, Options, Outcome, render};
 use crate::scene::Scene;
 use crate::simd::ReciprocalModel;
 
-/// A picture, and how long it took.
+/// Picture and its cost.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    /// The picture and what was counted.
+    /// Picture, with the counts of its render.
     pub outcome: Outcome,
     /// Wall time of the render, without building the hierarchy.
     pub seconds: f64,
-    /// Wall time of building the hierarchy, now or the first time.
+    /// Wall time of building the hierarchy, in this render or the first one that used it.
     pub build_seconds: f64,
-    /// Numbers of triangle tests, where a walk of choice found the hits.
+    /// Numbers of triangle tests, if the single-ray walk found the hits.
     pub lanes: Option<TestCounts>,
 }
 
-/// Makes pictures of one scene, and keeps the hierarchies between them.
+/// Renderer of one scene that keeps hierarchies between pictures.
 #[derive(Debug)]
 pub struct Engine<'a> {
     scene: &'a Scene,
     threads: usize,
-    /// One for each tessellation and each way to build that was asked for.
+    /// One stage for each tessellation and each way to build that was used.
     stages: Vec<Stage>,
 }
 
@@ -46,10 +46,10 @@ struct Stage {
     walks: Kept<(TriangleModel, ReciprocalModel), Unbounded<Walk>>,
 }
 
-/// Hierarchies by the choice that each was built for.
+/// Hierarchies with the choice that each was built for.
 type Kept<K, I> = Vec<(K, Built<I>)>;
 
-/// A hierarchy and the seconds that building it took.
+/// Hierarchy and the seconds that building it took.
 struct Built<I> {
     accel: I,
     seconds: f64,
@@ -62,16 +62,17 @@ impl<I> std::fmt::Debug for Built<I> {
 }
 
 impl<'a> Engine<'a> {
-    /// For pictures of `scene`, of the size that its settings have, by `threads` threads (0: one a processor).
+    /// Creates an engine for pictures of `scene`, of the size in its settings, by `threads` threads (0: one per
+    /// processor).
     #[must_use]
     pub fn new(scene: &'a Scene, threads: usize) -> Self {
         Self { scene, threads, stages: Vec::new() }
     }
 
-    /// The picture of a variant.
+    /// Renders the picture of a variant.
     ///
     /// # Errors
-    /// `Interrupted`; a limit, where the back end is not there.
+    /// `Interrupted`; a limit, if the back end is not available.
     pub fn shoot(&mut self, variant: &Variant, observer: &Observer) -> Result<Shot> {
         let options = variant.options(self.threads);
         let threads = self.threads;
@@ -115,7 +116,7 @@ impl<'a> Engine<'a> {
     }
 }
 
-/// The hierarchy kept under `key`, built first where there is none.
+/// Returns the hierarchy kept under `key`; builds it first if there is none.
 fn built<K: PartialEq, I>(kept: &mut Kept<K, I>, key: K, build: impl FnOnce() -> Result<I>) -> Result<&Built<I>> {
     let place = match kept.iter().position(|(of, _)| *of == key) {
         Some(place) => place,
@@ -145,7 +146,7 @@ mod tests {
 
     #[test]
     fn every_hierarchy_is_built_as_the_variant_says_and_kept_apart() {
-        // Large enough that each quality makes another tree of it.
+        // Large enough that each quality builds a different tree.
         let ball = Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE };
         let scene = Scene {
             geometry: vec![ball],

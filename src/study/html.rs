@@ -1,5 +1,5 @@
-//! The report as one page that needs no network: figures as JSON, pictures as PNG, both inside it, and a script that
-//! draws them.
+//! The report as one page that needs no network: it contains the figures as JSON, the pictures as PNG, and a script
+//! that draws them.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -15,15 +15,15 @@ const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 const SCRIPT: &str = include_str!("page/page.js");
 
-/// False colours from no difference to 1: black over violet and orange to yellow and white, in sRGB, evenly over the
-/// decades from [`DARK`] to 1.
+/// False colours of differences up to 1, in sRGB: black, violet, orange, yellow, white, spaced evenly over the decades
+/// from [`DARK`] to 1.
 const RAMP: [[u8; 3]; 7] =
     [[0, 0, 4], [40, 11, 84], [101, 21, 110], [159, 42, 99], [212, 72, 66], [250, 193, 39], [252, 255, 220]];
 
-/// The difference that is still shown black.
+/// Largest difference that is drawn black.
 const DARK: f64 = 1e-5;
 
-/// Colours of the axes, told apart by the colour-blind, too.
+/// Colours of the axes, which colour-blind readers can tell apart, too.
 const fn colour(axis: Axis) -> &'static str {
     match axis {
         Axis::Fresnel => "#0072b2",
@@ -41,21 +41,21 @@ const fn colour(axis: Axis) -> &'static str {
     }
 }
 
-/// A variant's picture and the reference it is held against.
+/// Picture of a variant and its reference.
 #[derive(Clone, Debug)]
 pub struct Pair {
-    /// Its picture.
+    /// Picture of the variant.
     pub film: Film,
-    /// What it is held against.
+    /// Reference that it is compared with.
     pub reference: Option<Film>,
 }
 
-/// The two references, where they are there.
+/// The two references, if they exist.
 #[derive(Clone, Debug, Default)]
 pub struct References {
-    /// At the default's rays a pixel.
+    /// With the default's rays per pixel.
     pub own: Option<Film>,
-    /// At 16 by 16.
+    /// With 16 by 16 rays per pixel.
     pub fine: Option<Film>,
 }
 
@@ -78,10 +78,10 @@ struct Shared {
     fine: Option<String>,
 }
 
-/// The page. `pictures` are one for one with the rows of the report.
+/// Returns the page. `pictures` correspond to the rows of the report.
 ///
 /// # Errors
-/// Usage, where pictures that are compared differ in size; a limit, where one is empty.
+/// Usage, if pictures that are compared differ in size; a limit, if one is empty.
 pub fn page(report: &Report, pictures: &[Option<Pair>], references: &References) -> Result<String> {
     let shown = |pair: &Pair| {
         let difference = pair.reference.as_ref().map(|r| png(&false_colours(&pair.film, r))).transpose()?;
@@ -91,25 +91,25 @@ pub fn page(report: &Report, pictures: &[Option<Pair>], references: &References)
     let reference = |film: &Option<Film>| film.as_ref().map(png).transpose();
     let references = Shared { own: reference(&references.own)?, fine: reference(&references.fine)? };
     let data = serde_json::to_string(&Data { report, pictures, references }).unwrap_or_default();
-    // Inside a script element nothing may look like its end.
+    // A script element must not contain its own end tag.
     let data = data.replace('<', "\\u003c");
     let ramp: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
     let colours: Vec<String> = Axis::ALL.iter().map(|&a| format!("\"{}\": \"{}\"", a.name(), colour(a))).collect();
     let title = escaped(&report.subject.scene);
     let style = STYLE.replace("@RAMP@", &ramp.join(", "));
     let script = SCRIPT.replace("@COLOURS@", &format!("{{ {} }}", colours.join(", ")));
-    // The data last, so that nothing in it is taken for a place.
+    // The data come last, so that their content is never taken for a placeholder.
     let page = PAGE.replace("@STYLE@", &style).replace("@SCRIPT@", &script).replace("@TITLE@", &title);
     Ok(page.replacen("@DATA@", &data, 1))
 }
 
-/// A film as the `src` of an image.
+/// Returns a film as the `src` of an image.
 fn png(film: &Film) -> Result<String> {
     let encoding = Encoding { format: Format::Png, bits: Bits::Eight, metadata: Vec::new() };
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(image::encode(film, &encoding)?.bytes)))
 }
 
-/// The largest difference of each pixel's channels by a ramp of colours.
+/// Draws the largest difference of each pixel's channels in false colours.
 #[must_use]
 pub fn false_colours(film: &Film, reference: &Film) -> Film {
     let pixels = film.pixels.iter().zip(&reference.pixels).map(|(&a, &b)| ramp(off(a, b)));
@@ -141,7 +141,7 @@ mod tests {
         let code = |d: f64| ramp(d).map(|x| (image::srgb_from_linear(f64::from(x)) * 255.0).round() as u8);
         assert_eq!((code(0.0), code(1e-5), code(1.0)), (RAMP[0], RAMP[0], RAMP[6]));
         assert_eq!(code(f64::INFINITY), RAMP[6]);
-        // Halfway in decades.
+        // The middle of the decades.
         assert_eq!(code(10.0_f64.powf(-2.5)), RAMP[3]);
     }
 }

@@ -1,4 +1,4 @@
-//! Which variants are worth their time.
+//! Selection of the variants to measure.
 
 use super::axis::{Axis, Level};
 use super::front::front;
@@ -6,29 +6,29 @@ use super::systems;
 use super::variant::Variant;
 use crate::scene::Scene;
 
-/// By how much an error has to differ to count, as a share of the default's mean squared error.
+/// Smallest difference of an error that counts, as a share of the default's mean squared error.
 const ANY_DIFFERENCE: f64 = 0.1;
 
-/// The most combinations that are run.
+/// Largest number of combinations that are measured.
 const MOST: usize = 96;
 
-/// The most combinations that are thought of.
+/// Largest number of combinations that are predicted.
 const MOST_THOUGHT_OF: usize = 200_000;
 
-/// What is known of a variant that differs from the default in one axis at most.
+/// Measurements of a variant that differs from the default in at most one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Its choices.
+    /// Choices.
     pub variant: Variant,
-    /// Its time over the default's.
+    /// Time relative to the default's.
     pub ratio: f64,
-    /// Whether that may be 1 for all that was measured.
+    /// True if the measurements are consistent with a ratio of 1.
     pub same_time: bool,
-    /// Its mean squared error.
+    /// Mean squared error.
     pub mse: f64,
 }
 
-/// The levels of each axis with the others at their defaults, and why axes or levels are left out.
+/// Returns the levels of each axis with the others at their defaults, and the reasons why axes or levels are left out.
 #[must_use]
 pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, Vec<Variant>)>, Vec<String>) {
     let mut plan = Vec::new();
@@ -57,24 +57,26 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
     (plan, left_out)
 }
 
-/// Combinations, and what was thought of them.
+/// Combinations to measure, and how they were selected.
 #[derive(Clone, Debug, Default)]
 pub struct Products {
     /// Combinations of two axes or more that may be on the front, the cheapest first.
     pub variants: Vec<Variant>,
-    /// The axes that mattered.
+    /// Axes with a measurable effect.
     pub mattered: Vec<Axis>,
-    /// The axes that did not.
+    /// Axes without one.
     pub null: Vec<Axis>,
-    /// Combinations of levels that are worth something.
+    /// Number of combinations of useful levels.
     pub all: usize,
-    /// Those that others are predicted to beat in both time and error.
+    /// Number of these that others are predicted to beat in both time and error.
     pub beaten: usize,
 }
 
-/// The product of the axes that mattered: of their levels that are cheaper or more right than the default and that no
-/// other level of the axis beats. Times are predicted as products, squared errors as sums. The sampling axis, which is
-/// judged apart, `f64`, which is the price of everything at once, and what needs a walk of its own are no part of it.
+/// Returns the product of the axes with a measurable effect. It uses their levels that are cheaper or more exact than
+/// the default and that no other level of the axis beats. Times are predicted as products, squared errors as sums.
+///
+/// Some axes are left out: sampling, which is judged separately; precision, because `f64` is exact in every choice; and
+/// the axes that need the single-ray walk.
 #[must_use]
 pub fn products(default: &Point, singles: &[Point]) -> Products {
     let mut out = Products::default();
@@ -121,16 +123,16 @@ pub fn products(default: &Point, singles: &[Point]) -> Products {
         .collect();
     out.beaten = out.all - kept.len();
     kept.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
-    // Evenly along the front where there are too many.
+    // Evenly along the front if there are too many.
     let step = kept.len().div_ceil(MOST).max(1);
     out.variants = kept.into_iter().step_by(step).map(|p| p.variant).collect();
     out
 }
 
-/// `base` with the level in which `single` differs from the default.
+/// Returns `base` with the level in which `single` differs from the default.
 fn combined(base: &Point, single: &Point, default: &Point) -> Point {
     let variant = single.variant.apart_from(&default.variant).into_iter().fold(base.variant, Variant::with);
-    // What makes a picture more right can take away no more than is there.
+    // A more exact level cannot reduce the error by more than there is.
     let mse = (base.mse + single.mse - default.mse).max(base.mse.min(single.mse) * 0.25);
     Point { variant, ratio: base.ratio * single.ratio, same_time: false, mse }
 }

@@ -1,4 +1,4 @@
-//! What a study came to, in the form that `report.json` has.
+//! Results of a study, in the form of `report.json`.
 
 use serde::Serialize;
 
@@ -12,34 +12,34 @@ use super::variant::Variant;
 use crate::measure::Figure;
 use crate::measure::Machine;
 
-/// Everything that was measured.
+/// All results of a study.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What it ran on.
+    /// Machine that it ran on.
     pub machine: Machine,
-    /// Worker threads.
+    /// Number of worker threads.
     pub threads: usize,
-    /// The command that made this report.
+    /// Command that made this report.
     pub command: String,
-    /// What was pictured.
+    /// Scene and size of the pictures.
     pub subject: Pictured,
-    /// Whether all that was planned is here; else the time limit or the user ended it.
+    /// True if all planned variants were measured. Otherwise the time limit or the user ended the study.
     pub finished: bool,
-    /// Time limit of a session, in seconds.
+    /// Time limit of one session, in seconds.
     pub limit: f64,
-    /// What pictures are held against, at the default's rays a pixel.
+    /// Reference of pictures with the default's rays per pixel.
     pub own: Option<Made>,
-    /// What the sampling axis is held against.
+    /// Reference of the sampling axis.
     pub fine: Option<Made>,
-    /// One for each variant, the default one first.
+    /// One row per variant, the default one first.
     pub rows: Vec<Row>,
-    /// What was not measured, and why.
+    /// Variants that were not measured, with the reasons.
     pub left_out: Vec<String>,
-    /// What follows from the rows, in words.
+    /// Conclusions from the rows, in words.
     pub findings: Vec<String>,
 }
 
-/// The scene of a study.
+/// Scene of a study.
 #[derive(Clone, Debug, Serialize)]
 pub struct Pictured {
     /// The scene file, as the user named it.
@@ -48,68 +48,68 @@ pub struct Pictured {
     pub width: u32,
     /// Rows of its pictures.
     pub height: u32,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: u64,
-    /// Exact spheres.
+    /// Number of exact spheres.
     pub spheres: u64,
-    /// Infinite planes.
+    /// Number of infinite planes.
     pub planes: u64,
 }
 
-/// One variant.
+/// Measurements of one variant.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// What it has else than the default.
+    /// Levels that differ from the default's.
     pub name: String,
     /// True for the default variant.
     #[serde(skip)]
     pub is_default: bool,
-    /// The axis, where it is one only.
+    /// Axis in which it differs from the default, if it is only one.
     pub axis: Option<&'static str>,
-    /// Its choices, all of them.
+    /// All its choices.
     pub levels: Variant,
-    /// The command that makes its picture again.
+    /// Command that repeats its picture.
     pub command: String,
     /// Wall time of a render, in seconds.
     pub seconds: Figure,
-    /// Over the default's in the same round.
+    /// Time relative to the default's in the same round.
     pub ratio: Figure,
-    /// Whether the ratio may be 1: no measurable difference.
+    /// True if the ratio may be 1: no measurable difference.
     pub same_time: bool,
-    /// Where a triangle test or a reciprocal is chosen, over the time of the same walk with the watertight test and true
-    /// division in the same round: what the choice costs, without what the walk does.
+    /// Time relative to the same walk with the watertight test and true division, in the same round: the cost of the
+    /// choice without that of the walk. Only for variants that choose a triangle test or a reciprocal.
     pub walk: Option<Figure>,
-    /// Share of triangle tests that fell to `f64`, where one is chosen.
+    /// Share of triangle tests that fell back to `f64`, if a test was chosen.
     pub settled: Option<f64>,
-    /// Wall time of building its hierarchy, in seconds; no part of the above.
+    /// Wall time of building its hierarchy, in seconds. It is not part of `seconds`.
     pub build_seconds: f64,
-    /// Rays traced.
+    /// Number of rays traced.
     pub rays: Rays,
-    /// Against `f64` with the exact choices at the default's rays a pixel.
+    /// Errors against `f64` with the exact choices at the default's rays per pixel.
     pub own: Option<Errors>,
-    /// Against 16 by 16 rays a pixel.
+    /// Errors against 16 by 16 rays per pixel.
     pub fine: Option<Errors>,
-    /// Against the default's picture.
+    /// Difference to the default's picture.
     pub change: Option<Change>,
-    /// Where its light went.
+    /// Energy balance.
     pub ledger: Ledger,
-    /// Whether nothing beats it in both time and `own.rmse` without ill-conditioned pixels.
+    /// True if no variant beats it in both time and `own.rmse` without ill-conditioned pixels.
     pub front: bool,
-    /// Whether nothing beats it in both time and `fine.rmse`.
+    /// True if no variant beats it in both time and `fine.rmse`.
     pub front_fine: bool,
-    /// Its picture's file in the study's folder.
+    /// File of its picture in the study's folder.
     pub film: String,
 }
 
 impl Row {
-    /// The error that it is judged by: its own where it has as many rays a pixel as the default, else the fine one.
+    /// Returns the errors that it is ranked by: `own` if it has the default's rays per pixel, else `fine`.
     #[must_use]
     pub fn judged(&self) -> Option<&Errors> {
         self.own.as_ref().or(self.fine.as_ref())
     }
 }
 
-/// The rows of what is in a journal.
+/// Returns the rows of a journal.
 #[must_use]
 pub fn rows(journal: &Journal, default: &Variant, command: impl Fn(&Variant) -> String) -> Vec<Row> {
     let mut rows: Vec<Row> = journal
@@ -142,10 +142,10 @@ pub fn rows(journal: &Journal, default: &Variant, command: impl Fn(&Variant) -> 
             }
         })
         .collect();
-    // Stable: the default first, then one axis at a time, then combinations.
+    // The sort is stable: the default first, then single axes, then combinations.
     rows.sort_by_key(|r| (r.levels.apart_from(default).len(), r.levels.apart_from(default).first().map(|l| l.axis())));
     let points = |error: fn(&Row) -> Option<f64>| {
-        // What cannot be told from the default's time is not believed to beat it.
+        // A time that is indistinguishable from the default's does not beat it.
         let time = |r: &Row| if r.same_time && r.ratio.runs > 2 { 1.0 } else { r.ratio.median };
         let points: Vec<[f64; 2]> = rows.iter().map(|r| [time(r), error(r).unwrap_or(f64::NAN)]).collect();
         front(&points)
@@ -158,7 +158,7 @@ pub fn rows(journal: &Journal, default: &Variant, command: impl Fn(&Variant) -> 
     rows
 }
 
-/// What follows from the rows, in words.
+/// Returns conclusions from the rows, in words.
 #[must_use]
 pub fn findings(rows: &[Row]) -> Vec<String> {
     let Some(default) = rows.iter().find(|r| r.is_default) else { return Vec::new() };
@@ -191,7 +191,7 @@ pub fn findings(rows: &[Row]) -> Vec<String> {
     out
 }
 
-/// How a choice compares within the walk of one ray at a time that all of its axis share.
+/// Returns a sentence that compares a choice within the single-ray walk, which all levels of its axis share.
 fn walked(row: &Row) -> String {
     let Some(walk) = row.walk else { return String::new() };
     let [low, high] = walk.interval;

@@ -6,7 +6,7 @@ use crate::measure::Figure;
 /// Columns and rows inside the frame of the plot.
 const PLOT: [usize; 2] = [66, 16];
 
-/// All of it.
+/// Returns the whole report.
 #[must_use]
 pub fn report(report: &Report) -> String {
     let mut text = heading(report);
@@ -85,7 +85,7 @@ fn table(report: &Report) -> String {
     text
 }
 
-/// A name in lines of at most 23 characters, broken between words.
+/// Breaks a name into lines of at most 23 characters, between words.
 fn name_lines(name: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in name.split(' ') {
@@ -100,7 +100,7 @@ fn name_lines(name: &str) -> Vec<String> {
     lines
 }
 
-/// Where a figure lies, in at most 13 characters; `same` where it may be 1.
+/// Writes the interval of a figure in at most 13 characters, or `same` if it may be 1.
 fn within(figure: &Figure, same: bool) -> String {
     let number = |x: f64| match x {
         _ if x < 10.0 => format!("{x:.2}"),
@@ -124,7 +124,7 @@ fn percent(share: f64) -> String {
     if p == 0.0 || p >= 9.95 { format!("{p:.0}%") } else { format!("{p:.2}%") }
 }
 
-/// Letters of the rows on the front, in the order of time; none for the others.
+/// Letters for the rows on the front, in the order of time; none for the others.
 fn marks(rows: &[Row]) -> Vec<Option<char>> {
     let mut on: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].front).collect();
     on.sort_by(|&a, &b| rows[a].ratio.median.total_cmp(&rows[b].ratio.median));
@@ -135,7 +135,7 @@ fn marks(rows: &[Row]) -> Vec<Option<char>> {
     marks
 }
 
-/// Time against error, both in decades, of what is judged at the default's rays a pixel.
+/// Plots time against error, both in decades, for variants with the default's rays per pixel.
 fn plot(rows: &[Row]) -> String {
     let marks = marks(rows);
     let points: Vec<(f64, f64, char)> = rows
@@ -157,7 +157,7 @@ fn plot(rows: &[Row]) -> String {
     let ((x0, dx), (y0, dy)) = (range(|p| p.0), range(|p| p.1));
     let [columns, lines] = PLOT;
     let mut grid = vec![vec![' '; columns]; lines];
-    // The front is drawn last, over what else is there.
+    // The front is drawn last, over the other points.
     let (front, others): (Vec<_>, Vec<_>) = points.into_iter().partition(|p| p.2 != '.');
     for (x, y, c) in others.into_iter().chain(front) {
         let column = ((x - x0) / dx * (columns - 1) as f64).round() as usize;
@@ -178,7 +178,7 @@ fn plot(rows: &[Row]) -> String {
     text + "          D: default, where it is not on the front\n"
 }
 
-/// `text` in lines of at most 80 columns, all but the first further in.
+/// Breaks `text` into lines of at most 80 columns; all but the first are indented.
 fn wrapped(text: &str, indent: &str) -> String {
     let mut out = String::new();
     let mut line = indent.to_owned();

@@ -1,4 +1,4 @@
-//! One of each choice.
+//! Variants: combinations of one level of each axis.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,41 +15,41 @@ use crate::render::{Options, Reflection};
 use crate::scene::{Settings, ShadowRule};
 use crate::simd::ReciprocalModel;
 
-/// One of each choice.
+/// One level of each axis, and the build quality.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variant {
-    /// Which formula splits light.
+    /// Fresnel formula.
     pub fresnel: FresnelModel,
-    /// Which formula bends light.
+    /// Refraction formula.
     pub refraction: RefractionModel,
-    /// What becomes of reflected light.
+    /// Source of reflected light.
     pub reflection: Reflection,
-    /// What transparent surfaces do to shadows.
+    /// Effect of transparent surfaces on shadows.
     pub shadows: ShadowRule,
-    /// What spheres are.
+    /// Representation of spheres.
     pub spheres: Spheres,
-    /// Below which weight a ray ends, 0..=1.
+    /// Weight below which a ray ends, 0..=1.
     pub cutoff: f32,
-    /// What cutting may change of a channel instead, where rays end by proof.
+    /// Proven bound on the change of a channel by rays that end, instead of a fixed cut-off.
     pub proven: Option<f32>,
-    /// How often a ray may reflect or refract.
+    /// Largest number of reflections and refractions of a ray.
     pub depth: u32,
-    /// What finds hits, where `precision` is single.
+    /// Back end that finds hits, if `precision` is single.
     pub backend: Backend,
-    /// How much work building its hierarchy is worth: no axis, since the picture is the same.
+    /// Build quality of its hierarchy. This is no axis, since the picture is the same.
     pub bvh: BuildQuality,
-    /// The ray/triangle test, where it is not the back end's own.
+    /// Ray/triangle test of the single-ray walk, if one is chosen.
     pub triangles: Option<TriangleModel>,
-    /// What one over a number is, where rays are traced.
+    /// Reciprocal of the single-ray walk.
     pub reciprocal: ReciprocalModel,
-    /// What the picture is computed in.
+    /// Precision of the picture.
     pub precision: Precision,
-    /// A regular grid of so many by so many rays a pixel.
+    /// Edge of the regular grid of rays per pixel.
     pub samples: u32,
 }
 
 impl Variant {
-    /// The choices that a render of a scene with these settings makes.
+    /// Returns the choices of a render with these settings.
     #[must_use]
     pub fn of(settings: &Settings, backend: Backend) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl Variant {
         }
     }
 
-    /// Its level of one axis.
+    /// Returns its level of one axis.
     #[must_use]
     pub fn level(&self, axis: Axis) -> Level {
         match axis {
@@ -89,7 +89,7 @@ impl Variant {
         }
     }
 
-    /// The same with another level of one axis.
+    /// Returns the same variant with another level of one axis.
     #[must_use]
     pub fn with(mut self, level: Level) -> Self {
         match level {
@@ -99,7 +99,7 @@ impl Variant {
             Level::Shadows(x) => self.shadows = x,
             Level::Spheres(x) => self.spheres = x,
             Level::Cutoff(x) => (self.cutoff, self.proven) = (x, None),
-            // No weight ends a ray then.
+            // A proof replaces the cut-off.
             Level::Proven(x) => (self.cutoff, self.proven) = (0.0, Some(x)),
             Level::Depth(x) => self.depth = x,
             Level::Backend(x) => self.backend = x,
@@ -111,8 +111,8 @@ impl Variant {
         self
     }
 
-    /// The triangle test and the reciprocal of the walk that finds its hits ([`crate::accel::walk::Walk`]), where these
-    /// are chosen; with a reciprocal alone the test is the watertight one.
+    /// Returns the triangle test and the reciprocal of the single-ray walk ([`crate::accel::walk::Walk`]), if either is
+    /// chosen. With a reciprocal alone the test is the watertight one.
     #[must_use]
     pub fn walk(&self) -> Option<(TriangleModel, ReciprocalModel)> {
         let chosen = self.triangles.is_some() || self.reciprocal != ReciprocalModel::Exact;
@@ -120,21 +120,21 @@ impl Variant {
         walks.then_some((self.triangles.unwrap_or(TriangleModel::Watertight), self.reciprocal))
     }
 
-    /// The same walk with the watertight test and true division, where it walks: what its time is to be compared with.
+    /// Returns the same walk with the watertight test and true division, which its time is compared with.
     #[must_use]
     pub fn plain_walk(&self) -> Option<Self> {
         let plain = Self { triangles: Some(TriangleModel::Watertight), reciprocal: ReciprocalModel::Exact, ..*self };
         self.walk().map(|_| plain)
     }
 
-    /// The levels that are not those of `o`.
+    /// Returns the levels that differ from those of `o`.
     #[must_use]
     pub fn apart_from(&self, o: &Self) -> Vec<Level> {
         let levels = Axis::ALL.map(|axis| self.level(axis));
         levels.into_iter().filter(|level| *level != o.level(level.axis())).collect()
     }
 
-    /// What it is called beside `default`: what it has else, or `default`.
+    /// Returns its name beside `default`: the levels that differ, or `default`.
     #[must_use]
     pub fn name(&self, default: &Self) -> String {
         let named = |level: &Level| format!("{} {level}", level.axis().name());
@@ -142,7 +142,7 @@ impl Variant {
         if names.is_empty() { String::from("default") } else { names.join(", ") }
     }
 
-    /// Settings with these choices.
+    /// Returns settings with these choices.
     #[must_use]
     pub fn settings(&self, of: &Settings) -> Settings {
         Settings {
@@ -154,7 +154,7 @@ impl Variant {
         }
     }
 
-    /// Options of a render by these choices.
+    /// Returns options of a render with these choices.
     #[must_use]
     pub fn options(&self, threads: usize) -> Options {
         Options {
@@ -167,7 +167,7 @@ impl Variant {
         }
     }
 
-    /// The options of `vitrum render` that repeat it.
+    /// Returns the options of `vitrum render` that repeat it.
     #[must_use]
     pub fn flags(&self) -> Vec<String> {
         let mut flags = vec![
@@ -199,7 +199,7 @@ impl Variant {
         flags
     }
 
-    /// The command that makes this picture of `scene` again, for a shell.
+    /// Returns the command that repeats this picture of `scene`, for a shell.
     #[must_use]
     pub fn command(&self, scene: &Path, size: [u32; 2]) -> String {
         let [width, height] = size;
@@ -208,7 +208,7 @@ impl Variant {
     }
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell.
 #[must_use]
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "/._-+=:,@%".contains(c);
@@ -222,7 +222,7 @@ pub fn quoted(word: &str) -> String {
 /// Name of the build quality, which is no axis.
 const BVH: &str = BuildQuality::OPTION;
 
-/// By the names of its levels.
+/// Writes the names of its levels.
 impl Serialize for Variant {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let levels = Axis::ALL.map(|axis| (axis.name(), self.level(axis).to_string()));

@@ -1,4 +1,4 @@
-//! Before anything is timed: do the contenders find the same?
+//! Comparison of the contenders' answers, before anything is timed.
 
 use std::cell::OnceCell;
 
@@ -7,10 +7,11 @@ use super::rays::RaySet;
 use crate::accel::reference::{Fault, Reference, Verdict};
 use crate::geometry::{Geometry, Hit, Ray};
 
-/// Rays on which two contenders name different things that are judged, at most, evenly spread over all such rays.
+/// Largest number of rays judged at which two contenders report different primitives, evenly spread over all such rays.
 const JUDGED: usize = 1000;
 
-/// Rays on which they name the same thing at another `t` that are judged, at most: those with the largest difference.
+/// Largest number of rays judged at which they report the same primitive at another `t`: those with the largest
+/// difference.
 const JUDGED_T: usize = 100;
 
 /// The arbiter over some shapes, built when it is first needed.
@@ -19,28 +20,28 @@ pub struct Judge<'a> {
     reference: OnceCell<Reference>,
 }
 
-/// Answers that are wrong. Where that is for leaks alone, which lie below what `f32` can tell by themselves and are wrong
-/// only since the surface goes on all around, they are Embree's known manner, and noted; the native path has none.
+/// Wrong answers of one contender. Leaks alone are expected of Embree and only noted: a single leaked ray is within the
+/// errors of `f32`, and wrong only because the surface is closed all around. The native path has no leaks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Whose answer.
+    /// Contender that gave the answers.
     pub label: Label,
-    /// Of which kind of rays.
+    /// Kind of the rays.
     pub rays: &'static str,
-    /// How many of the answers that were judged are wrong.
+    /// Number of wrong answers among those that were judged.
     pub wrong: usize,
-    /// How many were judged: differing ones only.
+    /// Number of answers judged. Only answers that differ are.
     pub judged: usize,
-    /// How many differ from those of the first contender.
+    /// Number of answers that differ from the first contender's.
     pub differ: usize,
-    /// The first one, leaks last: what is wrong.
+    /// Fault of the first wrong answer; leaks come last.
     pub fault: Fault,
-    /// The first one: place in the set.
+    /// Index of its ray in the set.
     pub ray: usize,
 }
 
 impl Finding {
-    /// Whether figures mean nothing beside it.
+    /// Returns true if the fault makes timings meaningless.
     #[must_use]
     pub fn refuses(&self) -> bool {
         self.fault != Fault::Leak || self.label.backend.is_exact()
@@ -58,21 +59,21 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// One difference between two contenders.
+/// Ray at which the answers of two contenders differ.
 struct Difference {
     ray: usize,
-    /// Of `t`, relative; infinite where they name different things.
+    /// Relative difference of `t`; infinite if they report different primitives.
     size: f32,
 }
 
 impl<'a> Judge<'a> {
-    /// For rays at `geometry`.
+    /// Creates the judge for rays at `geometry`.
     #[must_use]
     pub fn new(geometry: &'a [Geometry]) -> Self {
         Self { geometry, reference: OnceCell::new() }
     }
 
-    /// Compares what two contenders found. Where they differ, the arbiter judges both; the result is who is wrong.
+    /// Compares the answers of two contenders. If they differ, the arbiter judges both. Returns the wrong ones.
     #[must_use]
     pub fn compare(&self, set: &RaySet, a: (Label, &Answers), b: (Label, &Answers)) -> Vec<Finding> {
         let all = differences(set, a.1, b.1);
@@ -113,7 +114,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Where two answers differ.
+/// Returns the rays at which two answers differ.
 fn differences(set: &RaySet, a: &Answers, b: &Answers) -> Vec<Difference> {
     let size = |i: usize| match (a, b) {
         (Answers::Closest(a), Answers::Closest(b)) => apart(&a[i / 8].lane(i % 8), &b[i / 8].lane(i % 8)),
@@ -123,7 +124,7 @@ fn differences(set: &RaySet, a: &Answers, b: &Answers) -> Vec<Difference> {
     (0..set.count).map(|ray| Difference { ray, size: size(ray) }).filter(|d| d.size > 0.0).collect()
 }
 
-/// How far apart two hits are: 0 where they are the same, infinite where they name different things.
+/// Relative difference of two hits: 0 if they are the same, infinite if they are on different primitives.
 fn apart(a: &Hit, b: &Hit) -> f32 {
     if a.id() != b.id() || a.is_hit() != b.is_hit() {
         f32::INFINITY
@@ -164,7 +165,7 @@ mod tests {
 
     const WRONG: Label = Label { backend: Backend::Native, mode: "wrong" };
 
-    /// The answers of the native path, and the same with a mistake put in by `spoil`.
+    /// Compares the native path's answers with the same answers after `spoil` has changed them.
     fn spoiled(kind: RayKind, spoil: impl Fn(&mut Answers)) -> Vec<Finding> {
         let geometry = hills(20);
         let accel = Accel::build(Backend::Native, &geometry, BuildQuality::Default).unwrap();

@@ -1,4 +1,4 @@
-//! The contenders of a trial: accelerators under the clock, each with its name.
+//! Contenders of a trial: named accelerators to be timed.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -9,7 +9,7 @@ use crate::accel::{Accel, Backend, Intersector};
 use crate::geometry::Hit8;
 use crate::simd::Mask8;
 
-/// Packets that a thread takes at a time: the stream length of a render, some hundred microseconds of work.
+/// Number of packets that a thread takes at a time: the stream length of a render, some hundred microseconds of work.
 pub const PIECE: usize = 1024;
 
 /// Name of a contender in reports.
@@ -17,7 +17,7 @@ pub const PIECE: usize = 1024;
 pub struct Label {
     /// The back end.
     pub backend: Backend,
-    /// `auto`, or the kernel that it is held to.
+    /// `auto`, or the single kernel that it uses.
     pub mode: &'static str,
 }
 
@@ -39,15 +39,16 @@ pub enum Answers {
     Blocked(Vec<Mask8>),
 }
 
-/// One of the participants of a trial.
+/// Participant of a trial.
 pub trait Contender {
     /// Its name.
     fn label(&self) -> Label;
 
-    /// Does the work that is not timed: room for the answers, rays in its own layout. Called before each run.
+    /// Does the work that is not timed: allocates room for the answers, converts rays to its own layout. Called before
+    /// each run.
     fn prepare(&mut self, set: &RaySet);
 
-    /// Traces all rays of the set that it was prepared for. The clock runs meanwhile.
+    /// Traces all rays of the set that it was prepared for. This is the timed part.
     fn trace(&mut self, set: &RaySet, team: &Team);
 
     /// The answers of the last run.
@@ -60,7 +61,7 @@ struct Streams {
     accel: Accel,
     hits: Vec<Hit8>,
     blocked: Vec<Mask8>,
-    /// Scratch memory of the threads of earlier runs. A render makes it once, too.
+    /// Scratch memory of the threads of earlier runs. A render allocates it only once, too.
     spare: Mutex<Vec<Scratch>>,
 }
 
@@ -121,8 +122,8 @@ impl Contender for Streams {
     }
 }
 
-/// All contenders over one accelerator. The first traces as in renders. Of native, the others are held to one kernel each;
-/// of Embree, they make calls of one width and flag on rays that were packed beforehand.
+/// Returns all contenders over one accelerator. The first traces as in renders. The others of native are restricted to
+/// one kernel each. Those of Embree make calls of one width and flag, on rays that were packed beforehand.
 #[must_use]
 pub fn contenders(accel: &Accel) -> Vec<Box<dyn Contender + '_>> {
     let backend = accel.backend();

@@ -1,7 +1,7 @@
-//! Whole pictures: the same scene rendered over the native hierarchy and over Embree, by turns.
+//! Whole pictures: the same scene rendered with the native hierarchy and with Embree, in turn.
 //!
-//! Shading is the same code for all, so that the ratio of whole pictures lies between 1 and that of traversal; how
-//! much of a picture is traversal is measured once beside it.
+//! Shading is the same code for all back ends, so the ratio of whole pictures lies between 1 and that of traversal. The
+//! share of traversal in a picture is measured separately.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -20,17 +20,17 @@ use crate::render::{self, Observer, Options};
 use crate::scene::Scene;
 use crate::simd::Mask8;
 
-/// A channel that differs by more than this between two back ends makes its pixel count as different.
+/// Difference of a channel above which a pixel of two back ends counts as different.
 const TOLERANCE: f32 = 5e-4;
 
-/// Everything that was measured, in the form that `--json` has.
+/// All results, in the form of `--json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Frames {
-    /// What it ran on.
+    /// Machine that it ran on.
     pub machine: Machine,
     /// Pictures, by scene, threads and back end.
     pub frames: Vec<Frame>,
-    /// Native against Embree.
+    /// Comparisons of native with Embree.
     pub ratios: Vec<FrameRatio>,
 }
 
@@ -39,62 +39,62 @@ pub struct Frames {
 pub struct Frame {
     /// Name of the scene.
     pub scene: String,
-    /// The back end.
+    /// Back end.
     #[serde(serialize_with = "mode_name")]
     pub backend: Backend,
-    /// Threads that rendered.
+    /// Number of threads that rendered.
     pub threads: usize,
-    /// Rays of all kinds.
+    /// Number of rays of all kinds.
     pub rays: u64,
-    /// Milliseconds from scene to film, building left out: median over the rounds.
+    /// Milliseconds from scene to film, without building: median over the rounds.
     pub ms: f64,
     /// Their 10th and 90th percentile.
     pub spread: [f64; 2],
-    /// Share of the threads' time that went into tracing rays, by a picture of its own in which each call is timed.
+    /// Share of the threads' time that was spent on tracing rays, from a separate picture in which each call is timed.
     pub traversal: f64,
-    /// Pixels that differ from the native picture's by more than 5e-4 in some channel.
+    /// Number of pixels that differ from the native picture's by more than 5e-4 in some channel.
     pub different: usize,
 }
 
-/// Whole pictures, native against one mode of Embree.
+/// Comparison of whole pictures: native with one mode of Embree.
 #[derive(Clone, Debug, Serialize)]
 pub struct FrameRatio {
     /// Name of the scene.
     pub scene: String,
-    /// Threads that rendered.
+    /// Number of threads that rendered.
     pub threads: usize,
     /// Embree in one of its modes.
     #[serde(serialize_with = "mode_name")]
     pub against: Backend,
-    /// Embree's time over the native path's, median of the rounds' ratios: above 1 native is faster.
+    /// Embree's time relative to the native path's: median of the rounds' ratios. Above 1 native is faster.
     pub ratio: f64,
     /// Its 10th and 90th percentile.
     pub spread: [f64; 2],
 }
 
-/// What is to be measured.
+/// Measurements to make.
 #[derive(Clone, Debug)]
 pub struct FramePlan {
-    /// Numbers of threads, one after the other.
+    /// Numbers of threads, measured one after the other.
     pub threads: Vec<usize>,
-    /// How often each back end renders; at least 1.
+    /// Number of pictures by each back end, at least 1.
     pub rounds: usize,
-    /// How the native hierarchy is built.
+    /// Build quality of the native hierarchy.
     pub bvh: BuildQuality,
 }
 
 impl FramePlan {
-    /// Pictures in all, for each scene.
+    /// Number of pictures of each scene.
     #[must_use]
     pub fn pictures(&self, embree: bool) -> u64 {
         (self.threads.len() * if embree { 3 } else { 1 } * (self.rounds.max(1) + 1)) as u64
     }
 }
 
-/// Renders every scene by everyone as often as planned. Embree takes part where `machine` has it.
+/// Renders every scene with every back end as often as planned, with Embree only if `machine` has it.
 ///
 /// # Errors
-/// As [`render::render`]; a limit, where Embree cannot build.
+/// As [`render::render`]; a limit, if Embree cannot build.
 pub fn run(scenes: &[(String, Scene)], plan: &FramePlan, machine: Machine, observer: &Observer) -> Result<Frames> {
     let embree = machine.embree.is_some();
     let mut report = Frames { machine, frames: Vec::new(), ratios: Vec::new() };
@@ -107,7 +107,7 @@ pub fn run(scenes: &[(String, Scene)], plan: &FramePlan, machine: Machine, obser
     Ok(report)
 }
 
-/// An accelerator whose calls are timed.
+/// Accelerator whose calls are timed.
 struct Timed<'a, I> {
     inner: &'a I,
     nanos: &'a AtomicU64,
@@ -137,7 +137,8 @@ impl<I: Intersector> Intersector for Timed<'_, I> {
     }
 }
 
-/// The accelerators of all back ends, native first; Embree's of `MEDIUM` quality, where `embree` is true.
+/// Builds the accelerators of all back ends, native first. Embree's are of `MEDIUM` quality, and built if `embree` is
+/// true.
 fn build(scene: &Scene, plan: &FramePlan, embree: bool) -> Result<Vec<Accel>> {
     let threads = plan.threads.iter().copied().max().unwrap_or(1);
     let backends = Backend::ALL.into_iter().filter(|&backend| embree || backend == Backend::Native);
@@ -148,7 +149,7 @@ fn build(scene: &Scene, plan: &FramePlan, embree: bool) -> Result<Vec<Accel>> {
     backends.map(build).collect()
 }
 
-/// One scene by one number of threads.
+/// Measures one scene with one number of threads.
 fn measure(
     name: &str,
     scene: &Scene,
@@ -198,13 +199,13 @@ fn measure(
     Ok(())
 }
 
-/// Pixels that differ in some channel.
+/// Number of pixels that differ in some channel.
 fn different(a: &Film, b: &Film) -> usize {
     let close = |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= TOLERANCE);
     a.pixels.iter().zip(&b.pixels).filter(|(a, b)| !close(a, b)).count()
 }
 
-/// The report as a table.
+/// Returns the report as a table.
 #[must_use]
 pub fn table(report: &Frames) -> String {
     let head = ["scene", "threads", "back end", "ms", "10..90 %", "traversal", "native is", "10..90 %", "differ"];

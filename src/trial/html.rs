@@ -1,4 +1,4 @@
-//! The report as a page of bars that needs nothing but itself.
+//! The report as a page of bar charts without references to other files.
 
 use std::fmt::Write as _;
 
@@ -12,13 +12,13 @@ const BAR: f64 = 420.0;
 /// Height of a line of the chart, in pixels.
 const LINE: f64 = 18.0;
 
-/// Where bars start, in pixels.
+/// Left end of bars, in pixels.
 const LEFT: f64 = 200.0;
 
 /// Colours of the back ends, in the order of [`Report::backends`].
 const COLOURS: [&str; 3] = ["#2f6fb3", "#c8842a", "#8a8f98"];
 
-/// One page: for each mesh and number of threads a chart, and the build figures.
+/// Returns the page: a chart for each mesh and number of threads, and the build figures.
 #[must_use]
 pub fn page(report: &Report) -> String {
     let machine = &report.machine;
@@ -52,7 +52,7 @@ pub fn page(report: &Report) -> String {
     text + "</body>\n</html>\n"
 }
 
-/// The row to show of each back end: native as renders use it, Embree at its best.
+/// Returns the row to draw for each back end: native as renders use it, Embree's fastest.
 fn shown<'a>(report: &'a Report, mesh: &'a str, kind: &'a str, threads: usize) -> Vec<(usize, &'a Row)> {
     let backends = report.backends();
     let best = |(k, backend): (usize, &Backend)| {
@@ -155,7 +155,7 @@ mod tests {
         for bar in ["width=\"305.5\"", "width=\"244.4\"", "width=\"381.8\""] {
             assert!(text.contains(bar), "{bar} in {text}");
         }
-        // Best of Embree only: not the 15.0 of its `auto`.
+        // Only Embree's fastest row, not the 15.0 of its `auto`.
         assert_eq!(text.matches("<rect").count(), 5);
         assert!(text.contains("16.00 (native 1.25 x)") && text.matches("<svg").count() == 1);
     }

@@ -1,5 +1,5 @@
-//! Trials: back ends side by side on the same rays, and the hard cases fired at each. All but `verify` and `frames`,
-//! which also render, know shapes and accelerators, neither scenes nor materials.
+//! Trials: comparisons of back ends on the same rays, and hard cases for each. All but `verify` and `frames`, which
+//! also render, depend on shapes and accelerators, and not on scenes or materials.
 
 pub mod agree;
 pub mod contender;

@@ -1,4 +1,5 @@
-//! What size costs, as a picture: rays a second, and nanoseconds of building a triangle, against triangles.
+//! Plot of the cost of size: rays per second, and nanoseconds of building per triangle, against the number of
+//! triangles.
 
 use super::contender::AUTO;
 use super::report::Report;
@@ -8,17 +9,17 @@ use crate::accel::Backend;
 const COLOURS: [&str; 4] = ["#0b6e99", "#c0561f", "#4e9f3d", "#8a4fb0"];
 const DASH: [&str; 2] = ["", "6 4"];
 
-/// Edges of a panel.
+/// Width of a panel, in pixels.
 const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 260.0;
 
-/// A line of a plot; points by triangles.
+/// A line of a plot; the x axis is the number of triangles.
 struct Line {
     name: String,
     points: Vec<(f64, f64)>,
 }
 
-/// An SVG of two panels with logarithmic axes, from a report over meshes of one family.
+/// Returns an SVG of two panels with logarithmic axes, from a report over meshes of one family.
 #[must_use]
 pub fn svg(report: &Report) -> String {
     let rates = panel(&rates(report), "million rays a second, one thread", 0.0);
@@ -31,7 +32,7 @@ pub fn svg(report: &Report) -> String {
     )
 }
 
-/// Triangles and median rate, native auto and the best mode of robust Embree, for each kind of rays.
+/// Median rates by number of triangles, for each kind of rays: native auto and the fastest mode of robust Embree.
 fn rates(report: &Report) -> Vec<Line> {
     let mut lines = Vec::new();
     for kind in report.kinds() {
@@ -49,7 +50,7 @@ fn rates(report: &Report) -> Vec<Line> {
     lines
 }
 
-/// Triangles and nanoseconds a triangle; and what n log n would make of the first native one.
+/// Nanoseconds per triangle by number of triangles, and an n log n curve through the first native point.
 fn builds(report: &Report) -> Vec<Line> {
     let of = |backend: Backend| {
         let of = report.builds.iter().filter(move |b| b.backend == backend && b.threads == 1);
@@ -114,7 +115,7 @@ fn panel(lines: &[Line], title: &str, left: f64) -> String {
     text
 }
 
-/// Values of the axis from 10^`lo` to 10^`hi` that are so many tens, hundreds and so on, with their names.
+/// Values of the axis from 10^`lo` to 10^`hi`: each of `steps` times each power of ten, with their labels.
 fn ticks(lo: f64, hi: f64, steps: &[f64]) -> Vec<(f64, String)> {
     let named = |value: f64| {
         let name = match value {

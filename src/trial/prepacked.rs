@@ -1,4 +1,4 @@
-//! Embree by calls of each width and flag, on rays that are in its layout before the clock starts.
+//! Embree with calls of each width and flag, on rays converted to its layout before they are timed.
 
 use super::contender::{Answers, Contender, Label, PIECE};
 use super::rays::RaySet;
@@ -17,7 +17,7 @@ const CALLS: [(&str, Width, Coherence); 5] = [
     ("16c", Width::Sixteen, Coherence::Coherent),
 ];
 
-/// Embree's calls of one width and flag. Hits stay in Embree's layout while the clock runs.
+/// Contender that makes calls of one width and flag. Hits stay in Embree's layout while it is timed.
 pub(super) struct Prepacked<'a> {
     label: Label,
     embree: &'a Embree,
@@ -27,7 +27,7 @@ pub(super) struct Prepacked<'a> {
 }
 
 impl<'a> Prepacked<'a> {
-    /// One contender for each width and flag.
+    /// Returns one contender for each width and flag.
     pub fn all(backend: Backend, embree: &'a Embree) -> impl Iterator<Item = Box<dyn Contender + 'a>> {
         CALLS.into_iter().map(move |(mode, width, coherence)| -> Box<dyn Contender + 'a> {
             Box::new(Self { label: Label { backend, mode }, embree, width, coherence, pieces: Vec::new() })

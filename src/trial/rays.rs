@@ -1,7 +1,8 @@
-//! The rays that back ends are compared on: six kinds, the same in every run.
+//! Rays that back ends are compared on: six kinds, the same in every run.
 //!
-//! A pinhole picture in tiles of 8 x 8 pixels gives the primary rays, eight to 4 x 2 pixels and two packets to 4 x 4.
-//! What they meet gives the others, in the same order, misses left out, so that all packets but the last are full.
+//! A pinhole picture in tiles of 8 x 8 pixels gives the primary rays. A packet covers 4 x 2 pixels, and two packets 4 x
+//! 4. Their hits give the other kinds, in the same order and without the misses, so that all packets but the last are
+//! full.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -10,19 +11,19 @@ use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Aabb, Geometry, Hit, Hit8, Ray, Ray8, Shape};
 use crate::measure::random::Pcg32;
 
-/// Refractive index behind every surface.
+/// Refractive index behind every surface, for all kinds of rays.
 const INDEX: f32 = 1.5;
 
-/// How far secondary rays start from the surface, in diagonals of the scene.
+/// Distance of secondary rays' origins from the surface, relative to the scene's diagonal.
 const PUSH: f32 = 1e-4;
 
-/// Shadow rays end at this share of the way to the light.
+/// Length of shadow rays relative to the distance of the light.
 const BEFORE_LIGHT: f32 = 0.999;
 
-/// Length of `diffuse-any` rays, in diagonals of the scene.
+/// Length of `diffuse-any` rays relative to the scene's diagonal.
 const NEARBY: f32 = 0.25;
 
-/// Packets that a thread takes at a time.
+/// Number of packets that a thread takes at a time.
 const CHUNK: usize = 64;
 
 crate::choice! {
@@ -47,13 +48,13 @@ crate::choice! {
 }
 
 impl RayKind {
-    /// Whether any hit will do, instead of the nearest.
+    /// Returns true if any hit suffices, false if the nearest is needed.
     #[must_use]
     pub fn any_hit(self) -> bool {
         matches!(self, Self::Shadow | Self::DiffuseAny)
     }
 
-    /// What a renderer knows of their order.
+    /// Coherence that a renderer would declare for these rays.
     #[must_use]
     pub fn coherence(self) -> Coherence {
         match self {
@@ -66,11 +67,11 @@ impl RayKind {
 /// Rays of one kind.
 #[derive(Clone, Debug)]
 pub struct RaySet {
-    /// Of which kind.
+    /// Kind of the rays.
     pub kind: RayKind,
-    /// Full packets, but for the last one.
+    /// Full packets, except for the last one.
     pub rays: Vec<Ray8>,
-    /// How many rays there are.
+    /// Number of rays.
     pub count: usize,
 }
 
@@ -80,18 +81,18 @@ impl RaySet {
     }
 }
 
-/// From where the rays start.
+/// Viewpoint and light of the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// The eye.
+    /// Position of the eye.
     pub eye: Vec3,
-    /// What it looks at; differs from `eye`.
+    /// Point that it looks at; differs from `eye`.
     pub target: Vec3,
-    /// Which way is up.
+    /// Up direction.
     pub up: Vec3,
     /// Full angle of view of the square picture, in degrees, between 0 and 180.
     pub fov: f32,
-    /// The light that shadow rays go to.
+    /// Position of the light that shadow rays go to.
     pub light: Vec3,
 }
 
@@ -109,13 +110,13 @@ impl View {
         }
     }
 
-    /// Where a light stands that lights the front, the top and the right of a box.
+    /// Returns a position from which a light reaches the front, the top and the right side of a box.
     #[must_use]
     pub fn light_over(bounds: &Aabb) -> Vec3 {
         bounds.centre() + Vec3::new(0.6, 1.0, 0.8) * bounds.diagonal()
     }
 
-    /// The rays through the pixels that `picture` takes.
+    /// Returns the rays through the pixels of `picture`.
     #[must_use]
     pub fn primary(&self, picture: &Picture) -> Vec<Ray> {
         let forward = (self.target - self.eye).normalize_or(Vec3::NEG_Z);
@@ -128,29 +129,29 @@ impl View {
     }
 }
 
-/// The pixels that rays are traced for.
+/// Pixels that rays are traced for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Columns and rows; a multiple of 8.
+    /// Number of columns and rows; a multiple of 8.
     pub edge: u32,
-    /// One tile in so many is taken, evenly spread; at least 1.
+    /// One tile in so many is used, evenly spread; at least 1.
     pub one_in: u32,
 }
 
 impl Default for Picture {
-    /// 262 144 pixels of 1024 x 1024.
+    /// 262,144 pixels of 1024 x 1024.
     fn default() -> Self {
         Self { edge: 1024, one_in: 4 }
     }
 }
 
 impl Picture {
-    /// Column and row of each pixel taken: tiles row by row, in each the eight blocks of 4 x 2 pixels such that two
-    /// in a row make 4 x 4.
+    /// Column and row of each pixel used: tiles row by row, and in each the eight blocks of 4 x 2 pixels, in an order
+    /// in which two successive blocks make 4 x 4.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
         let (tiles, one_in) = (self.edge / 8, self.one_in.max(1));
         let all = (0..tiles * tiles).map(move |i| (i % tiles, i / tiles));
-        // Shifted from row to row, lest the tiles taken stand in columns.
+        // Shifted from row to row, so that the tiles do not form columns.
         let taken = all.filter(move |(x, y)| (x + 5 * y).is_multiple_of(one_in));
         taken.flat_map(|(x, y)| {
             (0..64).map(move |k| (8 * x + (k / 32) * 4 + k % 4, 8 * y + (k / 8 % 4) * 2 + k / 4 % 2))
@@ -158,7 +159,7 @@ impl Picture {
     }
 }
 
-/// The box around all bounded shapes; what cannot be hit is left out.
+/// Returns the box around all bounded shapes that can be hit.
 #[must_use]
 pub fn bounds(geometry: &[Geometry]) -> Aabb {
     geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
@@ -168,13 +169,13 @@ pub fn bounds(geometry: &[Geometry]) -> Aabb {
     })
 }
 
-/// Rays of all kinds at `geometry`, in the order of [`RayKind::ALL`]; `accel`, built over the same list, says what
-/// they meet on their way.
+/// Returns rays of all kinds at `geometry`, in the order of [`RayKind::ALL`]. `accel`, which was built over the same
+/// list, finds the hits that secondary rays start from.
 #[must_use]
 pub fn all<I: Intersector>(accel: &I, geometry: &[Geometry], view: &View, picture: &Picture) -> Vec<RaySet> {
     let shapes = Shapes { accel, geometry };
     let bounds = bounds(geometry);
-    // Where there are but planes, what is seen is some such distance away.
+    // If there are only planes, the distance to the target replaces the diagonal.
     let diagonal = if bounds.is_empty() { view.eye.distance(view.target) } else { bounds.diagonal() };
     let push = PUSH * diagonal;
 
@@ -199,7 +200,7 @@ struct Shapes<'a, I> {
 }
 
 impl<I: Intersector> Shapes<'_, I> {
-    /// What the rays meet, in their order, misses left out.
+    /// Returns the surfaces that the rays hit, in their order, without misses.
     fn met(&self, rays: &[Ray]) -> Vec<Surface> {
         let packets = Ray8::pack(rays);
         let mut hits = vec![Hit8::default(); packets.len()];
@@ -211,7 +212,7 @@ impl<I: Intersector> Shapes<'_, I> {
         met.filter(|(_, hit)| hit.is_hit()).filter_map(|(ray, hit)| self.surface(ray, &hit)).collect()
     }
 
-    /// The place that a ray met; none where a triangle has no area to be square to.
+    /// Returns the surface of a hit; `None` if a triangle has no area and so no normal.
     fn surface(&self, ray: &Ray, hit: &Hit) -> Option<Surface> {
         let along = ray.origin + ray.dir * hit.t;
         let (point, normal) = match &self.geometry[hit.geometry as usize].shape {
@@ -228,22 +229,22 @@ impl<I: Intersector> Shapes<'_, I> {
     }
 }
 
-/// A place that a ray met.
+/// Surface point that a ray hit.
 struct Surface {
     point: Vec3,
     /// Direction of travel, of unit length.
     incident: Vec3,
-    /// Geometric, of unit length, against the ray.
+    /// Geometric normal, of unit length, on the side of the ray.
     normal: Vec3,
 }
 
 impl Surface {
-    /// Where rays leave it by the side they came from.
+    /// Origin of rays that leave on the side of arrival.
     fn above(&self, push: f32) -> Vec3 {
         self.point + self.normal * push
     }
 
-    /// To `light`; none from where it stands.
+    /// Ray to `light`; `None` if the light is at the surface.
     fn shadow(&self, light: Vec3, push: f32) -> Option<Ray> {
         let start = self.above(push);
         let (dir, distance) = (light - start).normalize_and_length();
@@ -254,7 +255,8 @@ impl Surface {
         Ray::new(self.above(push), self.incident - self.normal * (2.0 * self.incident.dot(self.normal)))
     }
 
-    /// The refracted ray, with `eta` the index on this side over that on the other; none where all is reflected.
+    /// Returns the refracted ray; `None` under total reflection. `eta` is the index on this side over that on the
+    /// other.
     fn refracted(&self, eta: f32, push: f32) -> Option<Ray> {
         let cos_i = -self.incident.dot(self.normal);
         let squared = 1.0 - eta * eta * (1.0 - cos_i * cos_i);
@@ -262,8 +264,8 @@ impl Surface {
         (squared > 0.0).then(|| Ray::new(self.point - self.normal * push, dir.normalize()))
     }
 
-    /// A direction of the upper hemisphere by cosine (Malley's method; basis of Duff et al., "Building an Orthonormal
-    /// Basis, Revisited", JCGT 6(1), 2017).
+    /// Random direction in the upper hemisphere with the density of the cosine (Malley's method; basis of Duff et al.,
+    /// "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017).
     fn diffuse(&self, push: f32, random: &mut Pcg32) -> Ray {
         let (r, phi) = (random.unit().sqrt(), random.unit() * std::f32::consts::TAU);
         let n = self.normal;
@@ -372,7 +374,7 @@ mod tests {
         assert_eq!(refracted.len(), 512);
         for (i, ray) in primary.iter().enumerate() {
             let (inside, outside) = (&refracted[i], &refracted[256 + i]);
-            // Sines across the normal shrink by the index; the second wall undoes the first.
+            // Sines shrink by the index; the second wall undoes the first.
             assert!((inside.dir.truncate() * 1.5).distance(ray.dir.truncate()) < 1e-5);
             assert!(near(outside.dir, ray.dir));
             assert!(inside.origin.z < 0.0 && inside.origin.z > -0.1 && outside.origin.z < -1.0);
@@ -381,7 +383,7 @@ mod tests {
 
     #[test]
     fn an_open_mesh_is_entered_all_the_same_and_nothing_leaves_it() {
-        // The wall's back is entered as its front is.
+        // The wall's back refracts as its front does.
         let mut behind = front(60.0);
         behind.eye.z = -10.0;
         for view in [front(60.0), behind] {
@@ -392,7 +394,7 @@ mod tests {
 
     #[test]
     fn beyond_the_critical_angle_nothing_leaves() {
-        // Seen from inside a ball of index 1.5 off its centre, where some rays are beyond 41.8 degrees.
+        // From inside a ball of index 1.5, off its centre, where some rays exceed the critical angle of 41.8 degrees.
         let ball = Sphere { centre: Vec3::ZERO, radius: 1.0 };
         let surface = |sine: f32| Surface {
             point: ball.centre,

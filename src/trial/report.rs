@@ -1,119 +1,119 @@
-//! What a trial came to, in the form that `--json` has.
+//! Results of a trial, in the form of `--json`.
 
 use serde::Serialize;
 
 use crate::accel::Backend;
 use crate::measure::Machine;
 
-/// Everything that was measured.
+/// All results.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What it ran on.
+    /// Machine that it ran on.
     pub machine: Machine,
-    /// Rays a second.
+    /// Rays per second.
     pub rows: Vec<Row>,
-    /// Building.
+    /// Build times.
     pub builds: Vec<Build>,
-    /// Native against Embree.
+    /// Comparisons of native with Embree.
     pub ratios: Vec<Ratio>,
 }
 
-/// Rays a second of one contender.
+/// Rays per second of one contender.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// Name of the mesh or scene.
     pub mesh: String,
-    /// Triangles that can be hit.
+    /// Number of triangles that can be hit.
     pub triangles: usize,
     /// Kind of rays.
     pub rays: &'static str,
-    /// The back end.
+    /// Back end.
     #[serde(serialize_with = "mode_name")]
     pub backend: Backend,
-    /// How it traced.
+    /// Kernel, or `auto`.
     pub mode: &'static str,
-    /// Threads that traced.
+    /// Number of threads that traced.
     pub threads: usize,
-    /// Millions of rays a second, median over the rounds.
+    /// Millions of rays per second: median over the rounds.
     pub mrays_per_s: f64,
     /// Its 10th and 90th percentile.
     pub spread: [f64; 2],
 }
 
-/// Building one hierarchy.
+/// Build time of one hierarchy.
 #[derive(Clone, Debug, Serialize)]
 pub struct Build {
     /// Name of the mesh or scene.
     pub mesh: String,
-    /// The back end.
+    /// Back end.
     #[serde(serialize_with = "mode_name")]
     pub backend: Backend,
-    /// How it was built: `fast`, `default` or `high` (native), `medium` (Embree's name).
+    /// Build quality: `fast`, `default` or `high` (native), `medium` (Embree's name).
     pub quality: &'static str,
-    /// Threads that built.
+    /// Number of threads that built.
     pub threads: usize,
-    /// Milliseconds, median over the builds.
+    /// Milliseconds: median over the builds.
     pub ms: f64,
-    /// Bytes held after the build, for each triangle or sphere.
+    /// Bytes held after the build, per triangle or sphere.
     pub bytes_per_triangle: f64,
 }
 
-/// The native path, as renders use it, against the best mode of Embree.
+/// Comparison of the native path, as renders use it, with the fastest mode of Embree.
 #[derive(Clone, Debug, Serialize)]
 pub struct Ratio {
     /// Name of the mesh or scene.
     pub mesh: String,
     /// Kind of rays.
     pub rays: &'static str,
-    /// Threads that traced.
+    /// Number of threads that traced.
     pub threads: usize,
     /// Embree in one of its modes.
     #[serde(serialize_with = "mode_name")]
     pub against: Backend,
     /// The mode of Embree with the highest median.
     pub embree_mode: &'static str,
-    /// Native rays a second over Embree's, median of the rounds' ratios: above 1 native is faster.
+    /// Native rays per second relative to Embree's: median of the rounds' ratios. Above 1 native is faster.
     pub ratio: f64,
     /// Its 10th and 90th percentile.
     pub spread: [f64; 2],
 }
 
 impl Report {
-    /// Names of the meshes, in order.
+    /// Returns the names of the meshes, in order.
     #[must_use]
     pub fn meshes(&self) -> Vec<&str> {
         distinct(self.builds.iter().map(|b| b.mesh.as_str()))
     }
 
-    /// Names of the back ends, in order.
+    /// Returns the back ends, in order.
     #[must_use]
     pub fn backends(&self) -> Vec<Backend> {
         distinct(self.rows.iter().map(|r| r.backend))
     }
 
-    /// Numbers of threads, in order.
+    /// Returns the numbers of threads, in order.
     #[must_use]
     pub fn threads(&self) -> Vec<usize> {
         distinct(self.builds.iter().map(|b| b.threads))
     }
 
-    /// Kinds of rays, in order.
+    /// Returns the kinds of rays, in order.
     #[must_use]
     pub fn kinds(&self) -> Vec<&'static str> {
         distinct(self.rows.iter().map(|r| r.rays))
     }
 
-    /// The rows of one mesh, kind and number of threads.
+    /// Returns the rows of one mesh, kind and number of threads.
     pub fn rows_of<'a>(&'a self, mesh: &'a str, rays: &'a str, threads: usize) -> impl Iterator<Item = &'a Row> {
         self.rows.iter().filter(move |r| r.mesh == mesh && r.rays == rays && r.threads == threads)
     }
 
-    /// The ratios of one mesh, kind and number of threads.
+    /// Returns the ratios of one mesh, kind and number of threads.
     pub fn ratios_of<'a>(&'a self, mesh: &'a str, rays: &'a str, threads: usize) -> impl Iterator<Item = &'a Ratio> {
         self.ratios.iter().filter(move |r| r.mesh == mesh && r.rays == rays && r.threads == threads)
     }
 
-    /// Triangles of a mesh.
+    /// Returns the number of triangles of a mesh.
     #[must_use]
     pub fn triangles(&self, mesh: &str) -> usize {
         self.rows.iter().find(|r| r.mesh == mesh).map_or(0, |r| r.triangles)
@@ -126,7 +126,7 @@ pub(super) fn mode_name<S: serde::Serializer>(backend: &Backend, serializer: S) 
     serializer.serialize_str(backend.mode_name())
 }
 
-/// Each item once, in the order of first sight.
+/// Returns each item once, in the order of first appearance.
 pub(super) fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     let mut seen = Vec::new();
     for item in items {
@@ -137,7 +137,7 @@ pub(super) fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     seen
 }
 
-/// A report made by hand, for tests of how it is shown.
+/// A constructed report, for tests of its presentations.
 #[cfg(test)]
 pub(super) fn example() -> Report {
     let embree = crate::accel::embree::Installed {

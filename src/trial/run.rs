@@ -1,4 +1,4 @@
-//! A whole trial: build, check that all find the same, time.
+//! A whole trial: builds, checks that all contenders find the same, and times them.
 
 use super::agree::{Finding, Judge};
 use super::contender::{self, Answers, Contender};
@@ -12,53 +12,53 @@ use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 use crate::measure::Machine;
 use crate::measure::Percentiles;
 
-/// What rays are shot at.
+/// Shapes of a trial.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// Its name in reports.
+    /// Name in reports.
     pub name: String,
-    /// Shapes. Infinite planes are left out: no hierarchy holds them.
+    /// Shapes. Infinite planes are left out, since no hierarchy holds them.
     pub geometry: Vec<Geometry>,
-    /// From where it is seen; none to fit a view to it.
+    /// Viewpoint; if `None`, one is fitted to the shapes.
     pub view: Option<View>,
 }
 
 impl Subject {
-    /// A subject without the infinite planes of `geometry`.
+    /// Creates a subject without the infinite planes of `geometry`.
     #[must_use]
     pub fn new(name: &str, mut geometry: Vec<Geometry>, view: Option<View>) -> Self {
         geometry.retain(|g| !matches!(g.shape, Shape::Plane(_)));
         Self { name: name.to_owned(), geometry, view }
     }
 
-    /// A subject of one mesh, with a view fitted to it.
+    /// Creates a subject of one mesh, with a view fitted to it.
     #[must_use]
     pub fn of_mesh(name: &str, mesh: TriMesh) -> Self {
-        // Rays look at nothing but corners.
+        // Rays need only positions and triangles.
         let mesh = TriMesh { positions: mesh.positions, triangles: mesh.triangles, ..TriMesh::default() };
         Self::new(name, vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }], None)
     }
 }
 
-/// What is to be measured.
+/// Measurements to make.
 #[derive(Clone, Debug)]
 pub struct BenchPlan {
     /// Pixels that the rays start from.
     pub picture: Picture,
     /// Kinds of rays.
     pub kinds: Vec<RayKind>,
-    /// Numbers of threads, one after the other.
+    /// Numbers of threads, measured one after the other.
     pub threads: Vec<usize>,
-    /// How often each contender runs; at least 1.
+    /// Number of runs of each contender, at least 1.
     pub rounds: usize,
-    /// How often each hierarchy is built; at least 1.
+    /// Number of builds of each hierarchy, at least 1.
     pub builds: usize,
-    /// How the native hierarchy is built; Embree's is `MEDIUM`.
+    /// Build quality of the native hierarchy; Embree's is `MEDIUM`.
     pub bvh: BuildQuality,
 }
 
 impl BenchPlan {
-    /// Runs in all, for each subject, as [`Watch::done`] counts them.
+    /// Number of runs for each subject, as counted by [`Watch::done`].
     #[must_use]
     pub fn steps(&self, embree: bool) -> u64 {
         let (scenes, contenders) = if embree { (3, 15) } else { (1, 3) };
@@ -67,19 +67,19 @@ impl BenchPlan {
     }
 }
 
-/// How a trial ended.
+/// Result of a trial.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// With figures, and what was noted of leaks.
+    /// Measurements, and the leaks that were noted.
     Measured(Box<Report>, Vec<Finding>),
-    /// With contenders that do not find the same, so that no figure would mean anything.
+    /// Contenders that do not find the same, so that timings would be meaningless.
     Refused(Vec<Finding>),
 }
 
-/// Measures all `subjects`. Embree takes part where `machine` has it.
+/// Measures all `subjects`, with Embree only if `machine` has it.
 ///
 /// # Errors
-/// `Interrupted`; a limit, where threads or memory run out.
+/// `Interrupted`; a limit, if threads or memory run out.
 pub fn run(subjects: &[Subject], plan: &BenchPlan, machine: Machine, watch: &Watch) -> Result<Outcome> {
     let embree = machine.embree.is_some();
     let mut report = Report { machine, rows: Vec::new(), builds: Vec::new(), ratios: Vec::new() };
@@ -95,11 +95,12 @@ pub fn run(subjects: &[Subject], plan: &BenchPlan, machine: Machine, watch: &Wat
     Ok(Outcome::Measured(Box::new(report), noted))
 }
 
-/// The hierarchies of all back ends over the same shapes.
+/// Hierarchies of all back ends over the same shapes.
 pub struct Built(Vec<Accel>);
 
 impl Built {
-    /// Builds with the threads of `team`: native by `bvh`, and Embree in both modes by `MEDIUM` where `embree` is true.
+    /// Builds with the threads of `team`: native with quality `bvh`, and Embree in both modes with `MEDIUM` if `embree`
+    /// is true.
     ///
     /// # Errors
     /// As [`Accel::build`].
@@ -119,21 +120,21 @@ impl Built {
         &self.0[0]
     }
 
-    /// All contenders, native as in renders first.
+    /// Returns all contenders; the first is native as in renders.
     #[must_use]
     pub fn contenders(&self) -> Vec<Box<dyn Contender + '_>> {
         self.0.iter().flat_map(contender::contenders).collect()
     }
 }
 
-/// Builds everything as often as planned, by turns; keeps the last.
+/// Builds every hierarchy as often as planned, in turn. Returns the last ones.
 fn build(subject: &Subject, plan: &BenchPlan, embree: bool, watch: &Watch, report: &mut Report) -> Result<Built> {
     let mut last: Option<Built> = None;
     for &threads in &plan.threads {
         let team = Team::new(threads)?;
         let mut ms: Vec<Vec<f64>> = Vec::new();
         for _ in 0..plan.builds.max(1) {
-            // Two at a time would ask for twice the memory.
+            // The old hierarchies are dropped first, to halve the memory.
             drop(last.take());
             let built = Built::new(&subject.geometry, &team, embree, plan.bvh)?;
             ms.resize_with(built.0.len(), Vec::new);
@@ -162,7 +163,7 @@ fn build(subject: &Subject, plan: &BenchPlan, embree: bool, watch: &Watch, repor
     }
 }
 
-/// Times one subject, where all contenders find the same.
+/// Times one subject, if all contenders find the same.
 fn measure(
     subject: &Subject,
     built: &Built,
@@ -183,7 +184,7 @@ fn measure(
             if findings.iter().any(Finding::refuses) {
                 return Ok(findings);
             }
-            // The same rays leak by every number of threads.
+            // Leaks do not depend on the number of threads.
             noted.extend(findings.into_iter().filter(|_| threads == plan.threads[0]));
             let seconds = timing::rounds(&mut contenders, set, &team, plan.rounds.max(1), watch)?;
             let labels: Vec<_> = contenders.iter().map(|c| c.label()).collect();
@@ -221,8 +222,8 @@ fn measure(
     Ok(noted)
 }
 
-/// Lets everyone trace the set once; compares what they find with what the first one found. Each wrong thing is told
-/// once for each back end.
+/// Traces the set once with each contender and compares its answers with the first one's. Each mismatch is reported
+/// once per back end.
 ///
 /// # Errors
 /// `Interrupted`.

@@ -1,25 +1,25 @@
 //! Rays in words and as arguments, with the command that repeats one.
 //!
-//! Numbers are the shortest decimals that read back as the same `f32`, so that a ray is repeated exactly.
+//! Numbers are the shortest decimals that parse to the same `f32`, so that a ray is repeated exactly.
 
 use glam::Vec3;
 
 pub use crate::geometry::Ray;
 
-/// Start, direction and interval, for people.
+/// Returns origin, direction and interval in words.
 #[must_use]
 pub fn ray(ray: &Ray) -> String {
     let Ray { origin, dir, t_min, t_max, .. } = ray;
     format!("from ({}) along ({}), t from {} to {}", list(*origin, ", "), list(*dir, ", "), of(*t_min), of(*t_max))
 }
 
-/// The value of `--ray`: start, direction and interval, by commas.
+/// Returns the value of `--ray`: origin, direction and interval, separated by commas.
 #[must_use]
 pub fn argument(ray: &Ray) -> String {
     format!("{},{},{},{}", list(ray.origin, ","), list(ray.dir, ","), of(ray.t_min), of(ray.t_max))
 }
 
-/// The ray of an [`argument`]; the interval may be left out.
+/// Parses the ray of an [`argument`]. The interval may be left out.
 ///
 /// # Errors
 /// The fault of the text.
@@ -39,7 +39,7 @@ pub fn read(text: &str) -> Result<Ray, String> {
     if ray.t_min < ray.t_max { Ok(ray) } else { Err(String::from("t must begin before it ends")) }
 }
 
-/// The command line that sends the same ray through every path again. `scene` is the file as it was typed.
+/// Returns the command that sends the same ray through every path. `scene` is the file as typed.
 #[must_use]
 pub fn command(scene: &str, ray: &Ray) -> String {
     format!("vitrum parity {} --ray={}", quoted(scene), argument(ray))
@@ -49,13 +49,13 @@ fn list(v: Vec3, between: &str) -> String {
     v.to_array().map(of).join(between)
 }
 
-/// The shortest decimal that reads back the same, with an exponent where that is shorter.
+/// Returns the shortest decimal that parses to the same number, with an exponent if that is shorter.
 fn of(x: f32) -> String {
     let (plain, scientific) = (format!("{x}"), format!("{x:e}"));
     if scientific.len() < plain.len() { scientific } else { plain }
 }
 
-/// The text as one word of a POSIX shell.
+/// Quotes the text as one word of a POSIX shell.
 fn quoted(text: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {

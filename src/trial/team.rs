@@ -1,27 +1,27 @@
-//! Threads that wait for work between runs, so that none is started while the clock runs.
+//! Threads that wait for work between runs, so that none is started during a timing.
 
 use std::sync::{Mutex, PoisonError};
 
 use crate::Result;
 use crate::system::threads;
 
-/// Some threads.
+/// Group of threads.
 pub struct Team {
     pool: rayon::ThreadPool,
     threads: usize,
 }
 
 impl Team {
-    /// A team of `threads`, at least one.
+    /// Starts `threads` threads, at least one.
     ///
     /// # Errors
-    /// A limit, where the system starts no more threads.
+    /// A limit, if the system starts no more threads.
     pub fn new(threads: usize) -> Result<Self> {
         let pool = threads::pool(threads.max(1))?;
         Ok(Self { pool, threads: threads.max(1) })
     }
 
-    /// How many they are.
+    /// Number of threads.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.threads
@@ -32,7 +32,7 @@ impl Team {
         self.pool.install(work)
     }
 
-    /// Hands out `pieces` one by one to whoever is free; each thread makes a state of its own first.
+    /// Distributes `pieces` one by one to free threads. Each thread creates a state first.
     pub fn share<T: Send, S>(
         &self,
         pieces: impl Iterator<Item = T> + Send,

@@ -5,7 +5,7 @@ use crate::accel::Backend;
 use crate::measure::Machine;
 use crate::measure::table::aligned;
 
-/// All of it, line by line.
+/// Returns the whole report.
 #[must_use]
 pub fn tables(report: &Report) -> String {
     let mut text = machine(&report.machine);
@@ -23,7 +23,7 @@ pub fn tables(report: &Report) -> String {
     text
 }
 
-/// What it ran on, in a line.
+/// Describes the machine in one line.
 pub(super) fn machine(machine: &Machine) -> String {
     let embree = match &machine.embree {
         Some(e) => format!("Embree {} ({}, {} tasking)", e.version, e.isa, e.tasking),
@@ -50,7 +50,7 @@ fn builds(report: &Report, mesh: &str) -> String {
     aligned(&rows.iter().map(|r| r.to_vec()).collect::<Vec<_>>())
 }
 
-/// Kinds of rays down, modes of one back end across.
+/// Table of rates: kinds of rays as rows, modes of one back end as columns.
 fn rates(report: &Report, mesh: &str, threads: usize, backend: Backend) -> String {
     let modes = distinct(report.rows.iter().filter(|r| r.backend == backend).map(|r| r.mode));
     let mut rows =
@@ -65,7 +65,7 @@ fn rates(report: &Report, mesh: &str, threads: usize, backend: Backend) -> Strin
     aligned(&rows)
 }
 
-/// Native auto against the best of Embree.
+/// Table of ratios: native auto against the fastest of Embree.
 fn ratios(report: &Report, mesh: &str, threads: usize) -> String {
     let head = ["native / best", "embree-robust", "mode", "10..90 %", "embree-fast", "mode", "10..90 %"];
     let mut rows = vec![head.map(String::from).to_vec()];

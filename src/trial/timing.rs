@@ -1,11 +1,11 @@
-//! The rounds of a trial, in which contenders take turns.
+//! Rounds of a trial, in which contenders take turns.
 //!
 //! Clock rates drift and other processes take time, so times of different minutes do not compare. In each round every
-//! contender has one turn, A B C A B C. Ratios are taken within a round, and the figure is their median.
+//! contender has one turn, A B C A B C. Ratios are taken within a round, and the result is their median.
 //!
-//! A render uses one back end, whose tree stays in the caches as far as it fits. In a trial the back ends evict each other's
-//! trees. A contender right after another of the same back end is up to a third faster among a million triangles. So turns
-//! alternate between back ends, and each turn runs twice: a warm-up, then the timed run.
+//! A render uses one back end, whose tree stays in the caches as far as it fits. In a trial the back ends evict each
+//! other's trees. A contender right after another of the same back end is up to a third faster among a million
+//! triangles. So turns alternate between back ends, and each turn runs twice: a warm-up, then the timed run.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -15,12 +15,12 @@ use super::rays::RaySet;
 use super::team::Team;
 use crate::{Error, Result};
 
-/// How a caller watches a trial, and stops it.
+/// Progress of a trial, and the request to stop it.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch<'a> {
-    /// Runs finished so far.
+    /// Number of runs finished so far.
     pub done: &'a AtomicU64,
-    /// Set it, and the trial ends after the run under way.
+    /// Set to end the trial after the current run.
     pub stop: &'a AtomicBool,
 }
 
@@ -28,17 +28,18 @@ impl Watch<'_> {
     /// Counts a run.
     ///
     /// # Errors
-    /// `Interrupted`, where that is wished.
+    /// `Interrupted` if a stop was requested.
     pub fn step(&self) -> Result<()> {
         self.done.fetch_add(1, Ordering::Relaxed);
         if self.stop.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
     }
 }
 
-/// Seconds of each contender in each round. Each has traced the set right before, so that nothing is cold.
+/// Returns the seconds of each contender in each round. Each contender traces the set once before its timed run, so
+/// that nothing is cold.
 ///
 /// # Errors
-/// `Interrupted`.
+/// `Interrupted` if a stop was requested.
 pub fn rounds(
     contenders: &mut [Box<dyn Contender + '_>],
     set: &RaySet,
@@ -56,7 +57,7 @@ pub fn rounds(
             contender.prepare(set);
             let start = Instant::now();
             contender.trace(set, team);
-            // No run is shorter than what the clock can tell.
+            // The clock's resolution limits how short a run can seem.
             seconds.push(start.elapsed().max(Duration::from_nanos(1)).as_secs_f64());
             watch.step()?;
         }
@@ -64,7 +65,7 @@ pub fn rounds(
     Ok(seconds)
 }
 
-/// The order in which contenders take turns, by their back ends: the first of each, the second of each, and so on.
+/// Order in which contenders take turns, by their back ends: the first of each, the second of each, and so on.
 fn turns<B: PartialEq>(backends: &[B]) -> Vec<usize> {
     let earlier = |i: usize| backends[..i].iter().filter(|&b| *b == backends[i]).count();
     let mut order: Vec<usize> = (0..backends.len()).collect();

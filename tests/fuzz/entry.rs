@@ -20,6 +20,10 @@ pub enum Kind {
     Scene,
     /// A model in OBJ, with its materials beside it.
     Model,
+    /// A model in PLY.
+    Ply,
+    /// A model in STL.
+    Stl,
     /// Materials in MTL, with the model that names them beside them.
     Material,
     /// A picture of any kind, told by its first bytes.
@@ -32,6 +36,8 @@ impl Kind {
         match self {
             Self::Scene => "sampler.toml",
             Self::Model => "house.obj",
+            Self::Ply => "model.ply",
+            Self::Stl => "model.stl",
             Self::Material => "house.mtl",
             Self::Picture => "checks.pfm",
         }
@@ -87,7 +93,7 @@ pub fn load(kind: Kind, bytes: &[u8]) -> bool {
         let _ = fs::remove_file(&path);
         fs::write(&path, bytes).expect("files can be written");
         let loaded = match kind {
-            Kind::Scene | Kind::Model => load::scene(&path, &options()).map(|l| l.scene),
+            Kind::Scene | Kind::Model | Kind::Ply | Kind::Stl => load::scene(&path, &options()).map(|l| l.scene),
             Kind::Material => load::scene(&folder.join(Kind::Model.file()), &options()).map(|l| l.scene),
             Kind::Picture => load::picture(&path, &options()).map(|t| Scene { textures: vec![t], ..Scene::default() }),
         };
@@ -151,6 +157,8 @@ pub fn seeds(kind: Kind) -> BTreeMap<String, Vec<u8>> {
     let ends = match kind {
         Kind::Scene => ".toml",
         Kind::Model => ".obj",
+        Kind::Ply => ".ply",
+        Kind::Stl => ".stl",
         Kind::Material => ".mtl",
         Kind::Picture => ".pfm",
     };

@@ -1,7 +1,7 @@
 //! Stand-in for the Embree back end in builds without the feature `embree`: the same types and functions, of which
 //! none can be built.
 
-use super::{BuildStats, Coherence, Intersector};
+use crate::accel::{BuildStats, Coherence, Intersector};
 use crate::error::{Result, Unavailable};
 use crate::geometry::{Geometry, Hit8, Ray8};
 use crate::simd::Mask8;
@@ -46,7 +46,7 @@ impl Embree {
         Err(Unavailable::NotCompiledIn.into())
     }
 
-    /// The same hierarchy, asked by calls of this width.
+    /// Returns the same hierarchy, traced by calls of this width.
     #[must_use]
     pub fn with_width(&self, _: Width) -> Self {
         match *self {}

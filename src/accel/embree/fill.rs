@@ -1,9 +1,8 @@
-//! Shapes on their way into scenes.
+//! Transfer of shapes into Embree's scenes.
 
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::Renamed;
 use super::options::{Options, Spheres};
 use super::scene::SceneBuilder;
 use super::sphere::SphereGroup;
@@ -11,17 +10,24 @@ use crate::accel::BuildStats;
 use crate::error::Result;
 use crate::geometry::{Geometry, GeometryMask, Shape, TriMesh};
 
-/// What is gathered while scenes are filled.
+/// Geometry id of Embree whose primitives have other ids in hits.
+pub struct Renamed {
+    pub id: u32,
+    /// (geometry, primitive) for each of Embree's primitives.
+    pub names: Vec<(u32, u32)>,
+}
+
+/// Counts and names collected while scenes are filled.
 pub struct Filling<'a> {
     pub options: &'a Options,
     pub stats: BuildStats,
     pub renamed: Vec<Renamed>,
-    /// Bytes of coordinates and indices handed over.
+    /// Bytes of coordinates and indices copied to Embree.
     pub copied: usize,
 }
 
 impl Filling<'_> {
-    /// Puts the shapes with mask `kind` into `scene`, its spheres together as geometry `group`.
+    /// Adds the shapes with mask `kind` to `scene`, all spheres together as geometry `group`.
     pub fn fill(
         &mut self,
         scene: &mut SceneBuilder,
@@ -53,7 +59,7 @@ impl Filling<'_> {
         }
     }
 
-    /// Puts the usable triangles of `mesh` into `scene`.
+    /// Adds the usable triangles of `mesh` to `scene`.
     fn mesh(&mut self, scene: &mut SceneBuilder, id: u32, kind: GeometryMask, mesh: &TriMesh) -> Result<()> {
         let all = mesh.triangles.len();
         let usable = (0..all).into_par_iter().filter(|&i| mesh.is_usable(i)).map(|i| i as u32);

@@ -1,4 +1,4 @@
-//! Where the library is looked for.
+//! Search for the Embree library.
 
 use std::path::{Path, PathBuf};
 
@@ -8,26 +8,27 @@ pub const FILE_NAME: &str = "libembree4.so.4";
 /// The folder beside `Cargo.toml` that `tests/get-embree` fills.
 const OWN_FOLDER: &str = ".embree";
 
-/// How to get what was not found: the end of every message that says so.
+/// Cure in messages about a missing library.
 pub const CURE: &str = "install it (Debian 13, Ubuntu 24.04 and later: apt-get install libembree4-4), name \
                         its folder in EMBREE_DIR, or run tests/get-embree of Vitrum's sources, which needs no root; the \
                         native back end does without";
 
-/// What to hand to the dynamic loader.
+/// File for the dynamic loader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// A file, or the bare name that the system's loader resolves itself.
+    /// Path of a file, or a bare name that the system's loader resolves.
     pub file: PathBuf,
-    /// Where it was found, in a word for reports.
+    /// Rule that found the file, in one word for reports.
     pub because: &'static str,
 }
 
-/// Finds the library: in the folder `wished` (else the environment's `EMBREE_DIR`) and nowhere else where that is
-/// given, so that a mistyped wish is not silently replaced; then in a folder `.embree/` beside a `Cargo.toml`, that of
-/// the project the program was built from or lies in; then wherever the system's loader looks.
+/// Finds the library. The folder `wished`, or else the one in `EMBREE_DIR`, is the only place searched if it is given,
+/// so that a mistyped folder is not silently replaced. Otherwise folders `.embree/` beside a `Cargo.toml` are searched:
+/// those above the program, then that of the project it was built from. The last resort is the search path of the
+/// system's loader.
 ///
 /// # Errors
-/// The folder that was wished for, where it has no library.
+/// The folder that was given, if it does not contain the library.
 pub fn find(wished: Option<&Path>) -> Result<Found, PathBuf> {
     let from_environment = || std::env::var_os("EMBREE_DIR").filter(|v| !v.is_empty()).map(PathBuf::from);
     if let Some(folder) = wished.map(Path::to_path_buf).or_else(from_environment) {

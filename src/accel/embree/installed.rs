@@ -1,11 +1,11 @@
 //! Facts about the Embree library of this machine.
 
-/// A library that was loaded and found fit.
+/// Description of a loaded library that passed all checks.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Installed {
     /// Major, minor and patch.
     pub version: String,
-    /// The widest instructions that it traces packets with.
+    /// Widest instructions that it traces packets with.
     pub isa: &'static str,
     /// Its tasking system.
     pub tasking: &'static str,

@@ -1,25 +1,22 @@
-//! Embree 4 behind the same door as the native path: the library is loaded at run time (`device.rs`), our packets go
-//! into its structs and its hits into ours (`packet.rs`), and spheres go through the native path's own test
-//! (`sphere.rs`), so that what is left to differ is the traversal and the triangle test.
+//! Embree 4 as an [`Intersector`], like the native path.
 //!
-//! What differs from the native path by nature: ties are settled in Embree's own way; hits behind the start are not
-//! seen, nor any nearer than 2^-125; in robust mode `t_min < t <= t_max` holds for the `t` that is reported, in fast
-//! mode it is judged before `t` is rounded.
+//! The library is loaded at run time (`library.rs`). Packets are converted to its structs and hits back (`packet.rs`).
+//! Spheres use the native path's own test (`sphere.rs`). So only the traversal and the triangle test differ.
+//!
+//! Differences from the native path: ties are settled by Embree's own rule. Hits behind the ray's origin, or nearer
+//! than 2^-125, are not found. In robust mode `t_min < t <= t_max` holds for the `t` that is reported; in fast mode it
+//! is tested before `t` is rounded.
 
-use std::collections::BTreeSet;
-use std::sync::Arc;
-use std::time::Instant;
-
-use super::{BuildStats, Coherence, Counts, Intersector};
-use crate::error::{Error, Result, Unavailable};
-use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8};
-use crate::simd::{Mask8, set_lanes};
-use crate::system::memory;
+use crate::error::{Error, Unavailable};
 
 pub mod device;
+mod failure;
 mod fill;
 pub mod find;
+mod fit;
+mod hierarchy;
 mod installed;
+mod library;
 mod options;
 mod packed;
 mod packet;
@@ -30,379 +27,24 @@ mod sphere;
 #[doc(hidden)]
 pub mod sys;
 
+pub use hierarchy::{Embree, Scratch};
 pub use installed::Installed;
+pub use library::Library;
 pub use options::{Frequency, Isa, Mode, Options, Quality, Spheres, Width};
 pub use packed::Packed;
-
-use device::{Device, Library};
-use fill::Filling;
-use packet::Interval;
-use scene::{Scene, SceneBuilder};
-use sys::QueryArguments;
 
 /// True in builds with the feature `embree`.
 pub const COMPILED_IN: bool = true;
 
-/// Bytes that Embree takes for each primitive while it builds: positions, indices, references and nodes.
-const BYTES_EACH: usize = 320;
-
-/// Shapes in Embree's hierarchy. Clones share it.
-#[derive(Clone)]
-pub struct Embree {
-    /// One scene with everything; or, where the library ignores masks, one for each mask that occurs.
-    parts: Arc<[(GeometryMask, Scene)]>,
-    /// The ids in hits that stand for other names outside.
-    renamed: Arc<[Renamed]>,
-    mode: Mode,
-    width: Width,
-    native16: bool,
-    stats: BuildStats,
-    library: &'static Library,
-}
-
-/// An id in Embree whose primitives have other names outside.
-struct Renamed {
-    id: u32,
-    /// (geometry, primitive) of each of Embree's.
-    names: Vec<(u32, u32)>,
-}
-
-/// Embree's structs, of which only some fields change from call to call.
-pub struct Scratch {
-    one: sys::RtcRayHit1,
-    eight: sys::RtcRayHit8,
-    sixteen: sys::RtcRayHit16,
-}
-
-impl Default for Scratch {
-    fn default() -> Self {
-        use bytemuck::Zeroable;
-        Self { one: sys::RtcRayHit1::zeroed(), eight: sys::RtcRayHit8::zeroed(), sixteen: sys::RtcRayHit16::zeroed() }
-    }
-}
-
-impl Embree {
-    /// Builds a hierarchy over the meshes and spheres in `geometry`; planes are left to
-    /// [`Unbounded`](super::Unbounded).
-    ///
-    /// # Errors
-    /// [`Unavailable`] where the library is missing or unfit, or a shape reaches beyond [`reach::MOST`] or all meshes
-    /// within [`reach::LEAST`]; a limit where memory runs out.
-    pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
-        let library = Library::open(options.library.as_deref())?;
-        Self::build_with(geometry, options, library, library.masks)
-    }
-
-    /// As [`Embree::build`]; without `masks` each mask gets a scene of its own.
-    fn build_with(geometry: &[Geometry], options: &Options, library: &'static Library, masks: bool) -> Result<Self> {
-        if !options.even_lost {
-            reach::check(geometry)?;
-        }
-        let counts = Counts::of(geometry);
-        let bytes = (counts.triangles + counts.spheres).saturating_mul(BYTES_EACH);
-        memory::need(&counts.named("Embree's hierarchy over"), bytes as u64, counts.cure())?;
-        let device = Device::open(library, options.threads, options.frequency, options.isa)?;
-        let start = Instant::now();
-        let kinds: BTreeSet<u8> = geometry.iter().map(|g| g.mask.0).collect();
-        let mut filling = Filling { options, stats: BuildStats::default(), renamed: Vec::new(), copied: 0 };
-        let mut scenes: Vec<(GeometryMask, SceneBuilder)> = Vec::new();
-        // The ids after those of the list belong to the groups of spheres.
-        for (group, kind) in (geometry.len() as u32..).zip(kinds.into_iter().map(GeometryMask)) {
-            if scenes.is_empty() || !masks {
-                let scene = SceneBuilder::new(&device, options.mode == Mode::Robust, options.quality)?;
-                scenes.push((if masks { GeometryMask(u8::MAX) } else { kind }, scene));
-            }
-            if let Some((_, scene)) = scenes.last_mut() {
-                filling.fill(scene, geometry, kind, group)?;
-            }
-        }
-        let parts = scenes.into_iter().map(|(kind, scene)| Ok((kind, scene.commit()?))).collect::<Result<Arc<_>>>()?;
-        let Filling { mut stats, renamed, copied, .. } = filling;
-        stats.bytes = device.bytes().saturating_sub(copied);
-        stats.time = start.elapsed();
-        Ok(Self {
-            parts,
-            renamed: renamed.into(),
-            mode: options.mode,
-            width: options.width,
-            native16: device.native16(),
-            stats,
-            library,
-        })
-    }
-
-    /// The same hierarchy, asked by calls of this width.
-    #[must_use]
-    pub fn with_width(&self, width: Width) -> Self {
-        Self { width, ..self.clone() }
-    }
-
-    /// The library that traces.
-    #[must_use]
-    pub fn library(&self) -> Installed {
-        self.library.installed()
-    }
-}
-
 /// Loads the library and describes it.
 ///
 /// # Errors
-/// [`Unavailable`], where it is missing or unfit.
-pub fn installed() -> std::result::Result<Installed, Unavailable> {
+/// [`Unavailable`] if it is missing or unfit.
+pub fn installed() -> Result<Installed, Unavailable> {
     match Library::open(None) {
         Ok(library) => Ok(library.installed()),
         Err(Error::Unavailable(why)) => Err(why),
         Err(Error::TooLarge(why)) => Err(why.into()),
         Err(other) => Err(Unavailable::Failed(other.to_string())),
-    }
-}
-
-impl Intersector for Embree {
-    type Scratch = Scratch;
-
-    fn closest(&self, rays: &[Ray8], hits: &mut [Hit8], coherence: Coherence, scratch: &mut Scratch) {
-        assert_eq!(rays.len(), hits.len(), "as many packets of hits as of rays");
-        let query = query(coherence);
-        if self.takes_pairs(coherence) {
-            let (pairs, rest) = rays.as_chunks::<2>();
-            let (hit_pairs, hit_rest) = hits.as_chunks_mut::<2>();
-            for (pair, hits) in pairs.iter().zip(hit_pairs) {
-                self.closest16(pair, hits, &query, scratch);
-            }
-            for (packet, hits) in rest.iter().zip(hit_rest) {
-                self.closest8(packet, hits, &query, scratch);
-            }
-        } else {
-            for (packet, hits) in rays.iter().zip(hits.iter_mut()) {
-                self.closest8(packet, hits, &query, scratch);
-            }
-        }
-        if !self.renamed.is_empty() {
-            for (packet, hits) in rays.iter().zip(hits) {
-                self.rename(packet.active, hits);
-            }
-        }
-    }
-
-    fn occluded(&self, rays: &[Ray8], blocked: &mut [Mask8], coherence: Coherence, scratch: &mut Scratch) {
-        assert_eq!(rays.len(), blocked.len(), "as many masks as packets of rays");
-        let query = query(coherence);
-        if self.takes_pairs(coherence) {
-            let (pairs, rest) = rays.as_chunks::<2>();
-            let (blocked_pairs, blocked_rest) = blocked.as_chunks_mut::<2>();
-            for (pair, blocked) in pairs.iter().zip(blocked_pairs) {
-                *blocked = self.occluded16(pair, &query, scratch);
-            }
-            for (packet, blocked) in rest.iter().zip(blocked_rest) {
-                *blocked = self.occluded8(packet, &query, scratch);
-            }
-        } else {
-            for (packet, blocked) in rays.iter().zip(blocked) {
-                *blocked = self.occluded8(packet, &query, scratch);
-            }
-        }
-    }
-
-    /// Embree tells nothing of its nodes, leaves and depth, which stay 0; `bytes` is what it holds beyond the
-    /// coordinates and indices that were copied to it.
-    fn build_stats(&self) -> BuildStats {
-        self.stats
-    }
-}
-
-impl Embree {
-    /// Whether packets go into sixteen-wide calls two by two.
-    #[inline]
-    fn takes_pairs(&self, coherence: Coherence) -> bool {
-        match self.width {
-            Width::Auto => self.native16 && coherence == Coherence::Coherent,
-            width => width == Width::Sixteen,
-        }
-    }
-
-    /// The scenes that rays with this mask can meet anything in.
-    #[inline(always)]
-    fn parts(&self, admits: GeometryMask) -> impl Iterator<Item = &Scene> {
-        self.parts.iter().filter(move |(kind, _)| kind.meets(admits)).map(|(_, scene)| scene)
-    }
-
-    /// A pair of packets. The later scenes see the rays shortened by the earlier ones.
-    #[inline(always)]
-    fn closest16(&self, rays: &[Ray8; 2], hits: &mut [Hit8; 2], query: &QueryArguments, scratch: &mut Scratch) {
-        let intervals = [Interval::of(&rays[0], self.mode), Interval::of(&rays[1], self.mode)];
-        let [a, b] = intervals.map(|i| i.live);
-        if a == 0 || b == 0 || rays[0].admits != rays[1].admits {
-            self.closest8(&rays[0], &mut hits[0], query, scratch);
-            self.closest8(&rays[1], &mut hits[1], query, scratch);
-            return;
-        }
-        let sixteen = &mut scratch.sixteen;
-        sixteen.hit.clear();
-        for half in 0..2 {
-            sixteen.ray.load(half, &rays[half], &intervals[half]);
-        }
-        let valid = packet::valid(u16::from_le_bytes([a, b]));
-        for scene in self.parts(rays[0].admits) {
-            scene.intersect16(&valid, sixteen, query);
-        }
-        for half in 0..2 {
-            sixteen.hit.store(&sixteen.ray, half, rays[half].active, &mut hits[half]);
-        }
-    }
-
-    /// One packet, as such or ray by ray.
-    #[inline(always)]
-    fn closest8(&self, rays: &Ray8, hits: &mut Hit8, query: &QueryArguments, scratch: &mut Scratch) {
-        let interval = Interval::of(rays, self.mode);
-        if self.goes_singly(interval.live) {
-            for i in set_lanes(rays.active & !interval.live) {
-                hits.set_lane(i, &Hit::MISS);
-            }
-            for i in set_lanes(interval.live) {
-                let one = &mut scratch.one;
-                one.load(i, rays, &interval);
-                for scene in self.parts(rays.admits) {
-                    scene.intersect1(one, query);
-                }
-                hits.set_lane(i, &one.hit());
-            }
-            return;
-        }
-        let eight = &mut scratch.eight;
-        eight.hit.clear();
-        eight.ray.load(0, rays, &interval);
-        let valid = packet::valid(interval.live.into());
-        for scene in self.parts(rays.admits) {
-            scene.intersect8(&valid, eight, query);
-        }
-        eight.hit.store(&eight.ray, 0, rays.active, hits);
-    }
-
-    /// A pair of packets.
-    #[inline(always)]
-    fn occluded16(&self, rays: &[Ray8; 2], query: &QueryArguments, scratch: &mut Scratch) -> [Mask8; 2] {
-        let intervals = [Interval::of(&rays[0], self.mode), Interval::of(&rays[1], self.mode)];
-        let [a, b] = intervals.map(|i| i.live);
-        if a == 0 || b == 0 || rays[0].admits != rays[1].admits {
-            return [self.occluded8(&rays[0], query, scratch), self.occluded8(&rays[1], query, scratch)];
-        }
-        let sixteen = &mut scratch.sixteen.ray;
-        for half in 0..2 {
-            sixteen.load(half, &rays[half], &intervals[half]);
-        }
-        let valid = packet::valid(u16::from_le_bytes([a, b]));
-        for scene in self.parts(rays[0].admits) {
-            scene.occluded16(&valid, sixteen, query);
-        }
-        [sixteen.blocked(0, a), sixteen.blocked(1, b)]
-    }
-
-    /// One packet, as such or ray by ray.
-    #[inline(always)]
-    fn occluded8(&self, rays: &Ray8, query: &QueryArguments, scratch: &mut Scratch) -> Mask8 {
-        let interval = Interval::of(rays, self.mode);
-        if self.goes_singly(interval.live) {
-            let mut blocked = 0;
-            for i in set_lanes(interval.live) {
-                let one = &mut scratch.one;
-                one.load(i, rays, &interval);
-                for scene in self.parts(rays.admits) {
-                    scene.occluded1(&mut one.ray, query);
-                }
-                blocked |= u8::from(one.ray.tfar[0] < 0.0) << i;
-            }
-            return Mask8::from_bits(blocked);
-        }
-        let eight = &mut scratch.eight.ray;
-        eight.load(0, rays, &interval);
-        let valid = packet::valid(interval.live.into());
-        for scene in self.parts(rays.admits) {
-            scene.occluded8(&valid, eight, query);
-        }
-        eight.blocked(0, interval.live)
-    }
-
-    /// Whether the live lanes of a packet are traced one by one.
-    #[inline(always)]
-    fn goes_singly(&self, live: u8) -> bool {
-        self.width == Width::One || live & live.wrapping_sub(1) == 0
-    }
-
-    /// Puts the names outside in place of Embree's.
-    fn rename(&self, active: u8, hits: &mut Hit8) {
-        for i in set_lanes(active) {
-            if let Some(renamed) = self.renamed.iter().find(|r| r.id == hits.geometry[i]) {
-                (hits.geometry[i], hits.primitive[i]) = renamed.names[hits.primitive[i] as usize];
-            }
-        }
-    }
-}
-
-/// Arguments with the flag for this order of rays.
-fn query(coherence: Coherence) -> QueryArguments {
-    QueryArguments::new(match coherence {
-        Coherence::Coherent => sys::QUERY_COHERENT,
-        Coherence::Incoherent => sys::QUERY_INCOHERENT,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::io::Write;
-
-    use glam::Vec3;
-
-    use super::*;
-    use crate::geometry::{Ray, Shape, Sphere, TriMesh};
-
-    /// The library, or word on the terminal that `test` was left out (a failure where VITRUM_REQUIRE_EMBREE is set).
-    pub fn library(test: &str) -> Option<&'static Library> {
-        let library = Library::open(None);
-        if let Err(e) = &library {
-            assert!(std::env::var_os("VITRUM_REQUIRE_EMBREE").is_none(), "{test}: {e}");
-            writeln!(std::io::stderr(), "SKIPPED {test}: {e}").ok();
-        }
-        library.ok()
-    }
-
-    #[test]
-    fn a_scene_for_each_mask_does_what_masks_do() {
-        let Some(library) = library("separate scenes") else { return };
-        let shapes: Vec<Geometry> = (0..40_u8)
-            .map(|i| {
-                let place = Vec3::new(0.0, 0.0, -f32::from(i) * 3.0);
-                let corners = [Vec3::new(-9.0, -9.0, 0.0), Vec3::new(9.0, -9.0, 0.0), Vec3::new(0.0, 9.0, 0.0)];
-                let positions = corners.map(|c| c + place).to_vec();
-                let wall = TriMesh { positions, triangles: vec![[0, 1, 2]], ..TriMesh::default() };
-                let ball = Sphere { centre: place, radius: 1.0 };
-                let shape = if i % 3 == 0 { Shape::Sphere(ball) } else { Shape::Mesh(wall) };
-                Geometry { shape, mask: GeometryMask(i % 4) }
-            })
-            .collect();
-        let rays: Vec<Ray8> = (0..100_u8)
-            .map(|k| {
-                let start = Vec3::new(0.1, 0.2, 3.0 - 2.0 * f32::from(k));
-                let mut packet = Ray8::pack(&[Ray::new(start, Vec3::NEG_Z); 8]).remove(0);
-                packet.admits = GeometryMask(k % 4);
-                packet
-            })
-            .collect();
-        for width in [Width::One, Width::Eight, Width::Sixteen] {
-            let options = Options { width, ..Options::default() };
-            let run = |masks| {
-                let accel = Embree::build_with(&shapes, &options, library, masks).unwrap();
-                let mut hits = vec![Hit8::default(); rays.len()];
-                let mut blocked = vec![Mask8::NONE; rays.len()];
-                accel.closest(&rays, &mut hits, Coherence::Coherent, &mut Scratch::default());
-                accel.occluded(&rays, &mut blocked, Coherence::Coherent, &mut Scratch::default());
-                let hits: Vec<Hit> = hits.iter().map(|h| h.lane(3)).collect();
-                (accel.parts.len(), hits, blocked)
-            };
-            let (one, with, with_blocked) = run(true);
-            let (several, without, without_blocked) = run(false);
-            assert_eq!((one, several), (1, 4));
-            assert!(with == without && with_blocked == without_blocked);
-            assert!(with.iter().filter(|h| h.is_hit()).count() > 40 && with.iter().any(|h| !h.is_hit()));
-        }
     }
 }

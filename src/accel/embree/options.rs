@@ -1,40 +1,41 @@
-//! What may be asked of Embree.
+//! Options of the Embree back end.
 
 use std::path::PathBuf;
 
 use crate::accel::BuildQuality;
 
-/// How a scene is built and traced. None of the choices but `mode` and `spheres` changes what is hit, ties apart.
+/// Options of building and tracing. Only `mode` and `spheres` change hits, apart from ties.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Robust or fast.
     pub mode: Mode,
-    /// How much work the build puts into the hierarchy.
+    /// Build quality of the hierarchy.
     pub quality: Quality,
-    /// How wide its nodes are.
+    /// Choice of the width of nodes.
     pub frequency: Frequency,
-    /// Which instructions it may use.
+    /// Instructions that Embree may use.
     pub isa: Isa,
-    /// How many rays go into a call.
+    /// Number of rays in a call.
     pub width: Width,
-    /// What intersects spheres.
+    /// Implementation of the sphere test.
     pub spheres: Spheres,
-    /// Build threads; 0 is one a processor. (Rays are traced by the threads that ask.)
+    /// Number of build threads; 0 means one per processor. Rays are traced by the calling threads.
     pub threads: usize,
-    /// Builds over shapes, too, that Embree would lose ([`super::reach`]), where this is an error otherwise.
+    /// Builds even over shapes that Embree would lose ([`super::reach`]), which is an error otherwise.
     pub even_lost: bool,
-    /// The folder with the library, instead of the one in `EMBREE_DIR` and the other usual places.
+    /// Folder of the library, instead of `EMBREE_DIR` and the other usual places.
     pub library: Option<PathBuf>,
 }
 
 /// The accuracy of Embree's triangle and box tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// `RTC_SCENE_FLAG_ROBUST`: Plücker triangle test, conservative boxes; next to no rays lost between neighbours.
+    /// `RTC_SCENE_FLAG_ROBUST`: Plücker triangle test and conservative boxes. Almost no rays are lost between
+    /// neighbours.
     #[default]
     Robust,
-    /// Möller-Trumbore and fused slabs: 20 to 30 % faster, and rays at edges may be lost. `t` is compared with the
-    /// interval before it is rounded, so a hit within an ulp of either end may be seen or missed.
+    /// Möller-Trumbore triangle test and fused slab test: 20 to 30 % faster, but rays at edges may be lost. `t` is
+    /// compared with the interval before it is rounded, so a hit within an ulp of either end may be found or missed.
     Fast,
 }
 
@@ -42,17 +43,17 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Quality {
-    /// Morton order: the quickest build, for bounding boxes that change each frame.
+    /// Order of a Morton curve: the quickest build, meant for geometry that changes every frame.
     Low = 0,
     /// Binned surface area heuristic.
     #[default]
     Medium = 1,
-    /// With spatial splits; in robust mode Embree has none and builds as for `Medium`.
+    /// Surface area heuristic with spatial splits. In robust mode Embree has no such splits and builds as for `Medium`.
     High = 2,
 }
 
 impl From<BuildQuality> for Quality {
-    /// What stands in for a quality of the native hierarchy.
+    /// Embree's quality that corresponds to one of the native hierarchy.
     fn from(quality: BuildQuality) -> Self {
         match quality {
             BuildQuality::Fast => Self::Low,
@@ -62,39 +63,39 @@ impl From<BuildQuality> for Quality {
     }
 }
 
-/// Embree's `frequency_level`, by which it chooses the width of its nodes.
+/// Embree's `frequency_level`, which determines the width of its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Frequency {
-    /// `simd256` wherever the CPU has AVX2, that is 8-wide nodes: 10 to 25 % faster than its own choice on CPUs for
-    /// which that is 4-wide.
+    /// `simd256` on every CPU with AVX2, which gives 8-wide nodes. This is 10 to 25 % faster than Embree's own choice
+    /// on CPUs for which that is 4-wide.
     #[default]
     Widest,
-    /// Whatever Embree chooses for the CPU it believes to run on.
+    /// Embree's own choice for the CPU that it detects.
     Own,
 }
 
-/// The instructions that Embree may use. Below AVX-512 its reciprocals are refined guesses, and `t` may be an ulp off
+/// Instructions that Embree may use. Below AVX-512 its reciprocals are refined estimates, so `t` may be an ulp off
 /// where it is exact otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Isa {
-    /// All that the CPU has.
+    /// All instructions of the CPU.
     #[default]
     Best,
     /// Up to SSE 4.2.
     Sse42,
     /// Up to AVX.
     Avx,
-    /// Up to AVX2, what eight lanes of `f32` in the native path use.
+    /// Up to AVX2, as the native path's eight lanes of `f32`.
     Avx2,
     /// Up to AVX-512.
     Avx512,
 }
 
 impl Isa {
-    /// All but [`Isa::Best`].
+    /// All levels except [`Isa::Best`].
     pub const LEVELS: [Self; 4] = [Self::Sse42, Self::Avx, Self::Avx2, Self::Avx512];
 
-    /// Embree's name for it; none for [`Isa::Best`].
+    /// Embree's name of the level; none for [`Isa::Best`].
     #[must_use]
     pub fn name(self) -> Option<&'static str> {
         match self {
@@ -107,26 +108,26 @@ impl Isa {
     }
 }
 
-/// How many rays go into a call of Embree.
+/// Number of rays in a call of Embree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Width {
-    /// By coherence, by how many lanes hold a ray, and by what the CPU has.
+    /// Chosen by coherence, the number of active lanes and the CPU.
     #[default]
     Auto,
-    /// One at a time: `rtcIntersect1`.
+    /// Single rays: `rtcIntersect1`.
     One,
-    /// A packet at a time: `rtcIntersect8`.
+    /// Packets of 8: `rtcIntersect8`.
     Eight,
-    /// Two packets at a time: `rtcIntersect16`. Without AVX-512 Embree takes them apart again.
+    /// Packets of 16: `rtcIntersect16`. Without AVX-512 Embree splits them.
     Sixteen,
 }
 
-/// What intersects spheres.
+/// Implementation of the sphere test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spheres {
-    /// The native path's own function, called back by Embree: the same bits in both.
+    /// The native path's own function, called back by Embree. Both paths give the same bits.
     #[default]
     Native,
-    /// Embree's sphere points, to compare speed with: other bits.
+    /// Embree's sphere points, for comparing speed. Their hits have other bits.
     Points,
 }

@@ -1,24 +1,24 @@
-//! Rays kept in Embree's own layout, so that a benchmark can time the calls alone.
+//! Rays kept in Embree's own layout, so that a benchmark times the calls alone.
 
+use super::hierarchy::{Embree, query};
+use super::options::Width;
 use super::packet::{self, Interval};
 use super::scene::Scene;
-use super::sys::{RtcRay1, RtcRay8, RtcRay16, RtcRayHit1, RtcRayHit8, RtcRayHit16, Valid};
-use super::{Embree, Width, query};
+use super::sys::{QueryArguments, RtcRay1, RtcRay8, RtcRay16, RtcRayHit1, RtcRayHit8, RtcRayHit16, Valid};
 use crate::accel::Coherence;
 use crate::geometry::{Hit, Hit8, Ray8};
 use crate::simd::{Mask8, set_lanes};
 use bytemuck::Zeroable;
 
-/// A stretch of rays in Embree's layout, with room for its answers. Calls write over it: [`Embree::pack`] again before
-/// the next one.
+/// Rays in Embree's layout, with room for the hits. A call overwrites them, so [`Embree::pack`] must precede each call.
 #[derive(Default)]
 pub struct Packed {
     calls: Calls,
-    /// Live lanes of each call with several.
+    /// Active lanes of each packet call.
     live: Vec<u16>,
 }
 
-/// The structs of one call each.
+/// Structs, one for each call.
 #[derive(Default)]
 enum Calls {
     #[default]
@@ -31,11 +31,11 @@ enum Calls {
     Occluded16(Vec<RtcRay16>),
 }
 
-/// The masks of full packets.
+/// Lane masks of full packets.
 const FULL8: Valid<8> = Valid([-1; 8]);
 const FULL16: Valid<16> = Valid([-1; 16]);
 
-/// Makes `calls` hold `$n` zeroed structs of the variant, and gives them.
+/// Makes `calls` hold `$n` zeroed structs of the variant, and returns them.
 macro_rules! room {
     ($calls:expr, $variant:ident, $n:expr) => {{
         if !matches!($calls, Calls::$variant(_)) {
@@ -48,8 +48,8 @@ macro_rules! room {
 }
 
 impl Embree {
-    /// Puts `rays` into `packed`, for calls of the given width ([`Width::Auto`] counts as eight) that ask for any hit
-    /// or for the nearest one.
+    /// Stores `rays` in `packed` for calls of the given width, which find any hit or the nearest one. [`Width::Auto`]
+    /// means 8.
     pub fn pack(&self, rays: &[Ray8], width: Width, any_hit: bool, packed: &mut Packed) {
         let intervals = || rays.iter().map(|r| (r, Interval::of(r, self.mode)));
         let Packed { calls, live } = packed;
@@ -105,17 +105,17 @@ impl Embree {
         }
     }
 
-    /// Makes the calls: what is to be timed.
+    /// Makes the calls: the part that is timed.
     pub fn trace_packed(&self, packed: &mut Packed, coherence: Coherence) {
         let query = query(coherence);
-        // Packed rays admit all kinds, and the masks do the rest where the library has them.
+        // Packed rays admit all kinds of geometry. If the library supports masks, there is only one scene.
         for scene in self.parts.iter().map(|(_, scene)| scene) {
             Self::trace_scene(scene, packed, &query);
         }
     }
 
     #[inline(always)]
-    fn trace_scene(scene: &Scene, packed: &mut Packed, query: &super::QueryArguments) {
+    fn trace_scene(scene: &Scene, packed: &mut Packed, query: &QueryArguments) {
         let live = &packed.live;
         match &mut packed.calls {
             Calls::None => {}
@@ -144,7 +144,7 @@ impl Embree {
         }
     }
 
-    /// The hits of `packed`, which was made of `rays`; all miss where it asked for any hit.
+    /// Reads the hits from `packed`, which was made from `rays`. All lanes miss if the calls were for any hit.
     pub fn unpack(&self, packed: &Packed, rays: &[Ray8], hits: &mut [Hit8]) {
         let mut place = 0;
         for (k, (rays, hits)) in rays.iter().zip(hits).enumerate() {
@@ -166,7 +166,8 @@ impl Embree {
         }
     }
 
-    /// Which rays of `packed`, which was made of `rays`, met anything; none where it asked for the nearest hit.
+    /// Reads the occluded rays from `packed`, which was made from `rays`. There are none if the calls were for the
+    /// nearest hit.
     pub fn unpack_blocked(&self, packed: &Packed, rays: &[Ray8], blocked: &mut [Mask8]) {
         let mut place = 0;
         for (k, (rays, blocked)) in rays.iter().zip(blocked).enumerate() {
@@ -202,14 +203,14 @@ fn with16(live: u16, call: impl FnOnce(&Valid<16>)) {
 mod tests {
     use glam::Vec3;
 
-    use super::super::tests::library;
+    use super::super::hierarchy::tests::library;
     use super::super::{Embree, Mode, Options, Scratch, Width};
     use super::Packed;
     use crate::accel::{Coherence, Intersector};
     use crate::geometry::{Geometry, GeometryMask, Hit8, Ray, Ray8, Shape, Sphere, TriMesh};
     use crate::simd::Mask8;
 
-    /// Walls, one triangle of which cannot be hit, so that ids are renamed, and a ball.
+    /// Walls and a ball. One triangle of the walls cannot be hit, so that ids are renamed.
     fn shapes() -> Vec<Geometry> {
         let corners = |z: f32| [Vec3::new(-9.0, -9.0, z), Vec3::new(9.0, -9.0, z), Vec3::new(0.0, 9.0, z)];
         let positions = [-6.0, -9.0].into_iter().flat_map(corners).collect();
@@ -242,7 +243,7 @@ mod tests {
             let (mut packed, mut ours, mut ours_blocked) = (Packed::default(), hits.clone(), blocked.clone());
             ours.fill(Hit8::default());
             ours_blocked.fill(Mask8::NONE);
-            // Twice, for the second time finds what the first has left behind.
+            // Twice: the second call sees what the first left in the structs.
             for _ in 0..2 {
                 embree.pack(&rays, width, false, &mut packed);
                 embree.trace_packed(&mut packed, Coherence::Coherent);
@@ -254,7 +255,7 @@ mod tests {
             let (mut met, mut others) = (0, 0);
             for i in 0..43 {
                 let (a, b) = (hits[i / 8].lane(i % 8), ours[i / 8].lane(i % 8));
-                // The t of Embree depends on a ray's company.
+                // Embree's `t` depends on the other rays of the packet.
                 assert!(a.id() == b.id() && (a.t == b.t || (a.t - b.t).abs() < 1e-5 * a.t), "{mode:?} {width:?} {i}");
                 met += usize::from(b.is_hit());
                 others += usize::from(b.is_hit() && b.primitive == 2);

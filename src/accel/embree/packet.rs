@@ -1,4 +1,4 @@
-//! Between our packets and Embree's: what each calls a ray, an interval and a hit.
+//! Conversion of rays, intervals and hits between this crate's packets and Embree's.
 
 use super::options::Mode;
 use super::sys::{INVALID_GEOMETRY, RtcHit8, RtcHit16, RtcRay8, RtcRay16, RtcRayHit1, Valid};
@@ -7,36 +7,36 @@ use crate::geometry::{Hit, Hit8, NO_GEOMETRY, Ray8};
 use crate::math::Real;
 use crate::simd::{F32x8, Mask8};
 
-/// The least `tnear` in robust mode, 2^-125; hits nearer than that are not seen. Embree multiplies it by a little less
-/// than one at every node, and a denormal product costs so much that the next number above 0 in this place takes a
-/// third to a half of the speed from coherent packets (bunny, Embree 4.4.0, Sapphire Rapids).
+/// Smallest `tnear` in robust mode, 2^-125. Nearer hits are not found. Embree multiplies `tnear` by a little less than
+/// 1 at every node. A denormal product is so slow that with the smallest number above 0 coherent packets would lose a
+/// third to a half of their speed (bunny, Embree 4.4.0, Sapphire Rapids).
 pub const TNEAR_FLOOR: f32 = 2.350_988_7e-38;
 
 const _: () = assert!(NO_GEOMETRY == INVALID_GEOMETRY);
 
-/// Bounds and lanes of a packet in Embree's sense.
+/// Interval and active lanes of a packet by Embree's conventions.
 #[derive(Clone, Copy)]
 pub struct Interval {
     /// Lower bounds.
     pub tnear: F32x8,
     /// Upper bounds, inclusive.
     pub tfar: F32x8,
-    /// Active lanes whose ray can meet anything at all.
+    /// Active lanes whose ray can hit anything at all.
     pub live: u8,
 }
 
 impl Interval {
-    /// Of the rays of a packet.
+    /// Converts the intervals of a packet.
     ///
-    /// Embree's robust tests include `tnear`, so it is the next number above `t_min` there; the fast ones exclude it.
-    /// Neither looks behind the ray's start: a negative `t_min` counts as the largest number below zero.
+    /// Embree's robust tests include `tnear`, so it is the next number above `t_min` there; its fast tests exclude it.
+    /// Neither finds hits behind the ray's origin: a negative `t_min` counts as the largest number below zero.
     #[inline(always)]
     #[must_use]
     pub fn of(rays: &Ray8, mode: Mode) -> Self {
         let tfar = rays.t_max.min_or(F32x8::from(T_LIMIT));
         let tnear = match mode {
             Mode::Robust => {
-                // One step up from a number that is not negative; what -0 or NaN become is below the floor.
+                // One step up from a number that is not negative. -0 and NaN become values below the floor.
                 let t_min = rays.t_min.max_or(F32x8::ZERO).to_array();
                 let above = F32x8::new(t_min.map(|t| f32::from_bits(t.to_bits().wrapping_add(1))));
                 above.max_or(F32x8::from(TNEAR_FLOOR))
@@ -49,7 +49,7 @@ impl Interval {
     }
 }
 
-/// The `t_min` that [`Interval::of`] makes this `tnear` of.
+/// The `t_min` that [`Interval::of`] converts to this `tnear`.
 #[inline(always)]
 #[must_use]
 pub fn before_tnear(tnear: F32x8, mode: Mode) -> F32x8 {
@@ -59,18 +59,18 @@ pub fn before_tnear(tnear: F32x8, mode: Mode) -> F32x8 {
     }
 }
 
-/// Embree's lane mask of lane bits.
+/// Converts lane bits to Embree's lane mask.
 #[inline(always)]
 #[must_use]
 pub fn valid<const N: usize>(bits: u16) -> Valid<N> {
     Valid(std::array::from_fn(|i| -i32::from(bits >> i & 1)))
 }
 
-/// Eight lanes of Embree's rays and hits: all of an eight-wide packet, or one half of a sixteen-wide one.
+/// Access to eight lanes of Embree's rays and hits: all of an 8-wide packet, or half of a 16-wide one.
 macro_rules! lanes {
     ($ray:ident, $hit:ident) => {
         impl $ray {
-            /// Puts eight rays into half `half`.
+            /// Stores eight rays in half `half`.
             #[inline(always)]
             pub fn load(&mut self, half: usize, rays: &Ray8, interval: &Interval) {
                 let put = |to: &mut [f32], from: &F32x8| to.as_chunks_mut::<8>().0[half] = *from.as_array();
@@ -85,7 +85,7 @@ macro_rules! lanes {
                 self.mask.as_chunks_mut::<8>().0[half] = [u32::from(rays.admits.0); 8];
             }
 
-            /// Which of the live lanes of half `half` an occlusion call has found to meet something.
+            /// Active lanes of half `half` that an occlusion call found to be occluded.
             #[inline(always)]
             pub fn blocked(&self, half: usize, live: u8) -> Mask8 {
                 let tfar = F32x8::new(self.tfar.as_chunks::<8>().0[half]);
@@ -94,13 +94,13 @@ macro_rules! lanes {
         }
 
         impl $hit {
-            /// Sets all lanes to no hit.
+            /// Sets all lanes to a miss.
             #[inline(always)]
             pub fn clear(&mut self) {
                 self.geom_id.fill(INVALID_GEOMETRY);
             }
 
-            /// Takes the hits of half `half` over into the active lanes of `hits`.
+            /// Copies the hits of half `half` to the active lanes of `hits`.
             #[inline(always)]
             pub fn store(&self, ray: &$ray, half: usize, active: u8, hits: &mut Hit8) {
                 let geometry = &self.geom_id.as_chunks::<8>().0[half];
@@ -132,7 +132,7 @@ lanes!(RtcRay8, RtcHit8);
 lanes!(RtcRay16, RtcHit16);
 
 impl RtcRayHit1 {
-    /// Puts lane `i` of `rays` in, with no hit.
+    /// Stores lane `i` of `rays`, with no hit.
     #[inline(always)]
     pub fn load(&mut self, i: usize, rays: &Ray8, interval: &Interval) {
         let ray = &mut self.ray;
@@ -143,7 +143,7 @@ impl RtcRayHit1 {
         self.hit.geom_id = [INVALID_GEOMETRY];
     }
 
-    /// The hit, or a miss.
+    /// Returns the hit, or a miss.
     #[inline(always)]
     #[must_use]
     pub fn hit(&self) -> Hit {
@@ -156,7 +156,8 @@ impl RtcRayHit1 {
     }
 }
 
-/// The weights of second and third corner, which Embree's rounding may leave an ulp outside the triangle, put back in.
+/// Clamps the barycentric weights of the second and third corner. Embree's rounding may leave them an ulp outside the
+/// triangle.
 #[inline(always)]
 fn weights<R: Real>(u: R, v: R) -> (R, R) {
     let u = u.max_or(R::zero()).min_or(R::one());

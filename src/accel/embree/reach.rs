@@ -1,22 +1,23 @@
-//! The sizes at which Embree finds what it should.
+//! Sizes of shapes at which Embree finds all hits.
 //!
-//! Embree's triangle tests compute the distance along a ray as a quotient whose numerator multiplies a distance by the product
-//! of two edges, `v0 . (e1 x e2)`. In `f32` such a product of three lengths overflows, and underflows, long before its
-//! factors do. An infinite distance is no hit, and neither is one of 0, so that meshes vanish without an error: tessellated
-//! balls seen from thirty radii away from a radius of 1e13 up (Embree 4.4.0, both modes), and all balls from 1e-15 down.
-//! The native path scales its products and holds to [`COORDINATE_LIMIT`](crate::geometry::COORDINATE_LIMIT).
+//! Embree's triangle tests compute the distance along a ray as a quotient. Its numerator multiplies a distance by the
+//! product of two edges, `v0 . (e1 x e2)`. In `f32` such a product of three lengths overflows, and underflows, long
+//! before its factors do. A distance that is infinite or 0 counts as no hit, so meshes vanish without an error.
+//! Tessellated balls seen from thirty radii away vanish from a radius of 1e13 up (Embree 4.4.0, both modes), and all
+//! balls from 1e-15 down. The native path scales its products and keeps to
+//! [`COORDINATE_LIMIT`](crate::geometry::COORDINATE_LIMIT).
 
 use rayon::prelude::*;
 
 use crate::error::Unavailable;
 use crate::geometry::{Geometry, Shape, TriMesh};
 
-/// The largest coordinate that Embree is given, in scene units: two edges of 2e12 and a distance of eighty times that
+/// Largest coordinate that Embree is given, in scene units. Two edges of 2e12 and a distance of eighty times this
 /// coordinate multiply to the largest `f32`.
 pub const MOST: f32 = 1e12;
 
-/// The least that the largest coordinate of all meshes may be: edges and distances of a tenth of it multiply to the least
-/// normal `f32`, but for a factor of ten.
+/// Smallest size of a scene of meshes: the least value of their largest coordinate, in scene units. Edges and distances
+/// of a tenth of it multiply to a tenth of the least normal `f32`.
 pub const LEAST: f32 = 1e-12;
 
 /// Checks that Embree finds all shapes.
@@ -48,11 +49,11 @@ pub fn check(geometry: &[Geometry]) -> Result<(), Unavailable> {
     }
 }
 
-/// The largest coordinate of a triangle that can be hit; 0 where there is none.
+/// Largest coordinate of the triangles that can be hit; 0 if there are none.
 fn farthest(mesh: &TriMesh) -> f32 {
     let size = |p: &glam::Vec3| p.abs().max_element();
     let all = mesh.positions.iter().map(size).fold(0.0, f32::max);
-    // Nearly every mesh is of a size that needs no second look, whatever of it can be hit.
+    // Meshes of ordinary size pass, without a test of which triangles can be hit.
     if (LEAST..=MOST).contains(&all) && mesh.positions.iter().all(|p| p.is_finite()) {
         return all;
     }
@@ -88,7 +89,7 @@ mod tests {
             let shapes: Vec<_> = near.iter().cloned().chain([far]).collect();
             assert_eq!(lost(&shapes), Some(near.len()));
         }
-        // Small ones are lost only where there are no others, by whose size rays are.
+        // Small shapes are lost only if there are no larger ones, since rays are as long as the scene.
         assert_eq!(lost(&[ball(0.0, 1.0), tiny]), Some(1));
         assert_eq!(lost(&[ball(0.0, 1e-15)]), None);
         assert_eq!(lost(&[mesh(0.0, vec![[0, 1, 2]])]), None);

@@ -1,4 +1,4 @@
-//! Embree's scenes, with owners: filled, committed, traced. Everything here is safe to call.
+//! Embree's scenes as owning types: filled, committed, traced. Everything here is safe to call.
 
 #![allow(unsafe_code, reason = "calls into the Embree library")]
 
@@ -13,35 +13,35 @@ use super::sys::{self, BoundsArguments, CallbackArguments, QueryArguments, RtcBo
 use crate::error::{Error, Result, Unavailable};
 use crate::geometry::Aabb;
 
-/// Shapes that Embree asks us to intersect.
+/// Shapes whose intersection tests are callbacks from Embree.
 pub trait UserGeometry: Send + Sync {
-    /// How many there are; above zero.
+    /// Number of shapes, above zero.
     fn count(&self) -> u32;
-    /// The box of the `i`th, rounded outwards.
+    /// Bounding box of shape `i`, rounded outwards.
     fn bounds(&self, i: u32) -> Aabb;
-    /// Finds where rays meet the `i`th before their `tfar`, and writes `tfar`, u, v and the ids where they do.
+    /// Intersects rays with shape `i`. For each hit before `tfar` it writes `tfar`, u, v and the ids.
     fn intersect(&self, i: u32, rays: UserRays);
-    /// Finds which rays meet the `i`th, and sets their `tfar` to -inf.
+    /// Sets `tfar` of rays that hit shape `i` to -inf.
     fn occluded(&self, i: u32, rays: UserRays);
 }
 
-/// Rays as a callback gets them: lanes of `n`, field after field in the order of `RTCRay` and `RTCHit`.
+/// Rays in a callback: `n` lanes, one array per field, in the order of `RTCRay` and `RTCHit`.
 pub struct UserRays<'a> {
-    /// Lanes.
+    /// Number of lanes.
     pub n: usize,
-    /// -1 where a lane takes part.
+    /// -1 for active lanes, else 0.
     pub valid: &'a [c_int],
-    /// 12 fields of the rays and, for `intersect`, 7 of the hits, `n` numbers each; ids as their bits.
+    /// Arrays of `n` numbers: 12 fields of the rays and, for `intersect`, 7 of the hits. Ids are stored as their bits.
     pub fields: &'a mut [f32],
 }
 
-/// A scene that still takes on geometry.
+/// Scene that geometry can be added to.
 pub struct SceneBuilder(Scene);
 
-/// A committed scene, ready for rays from any thread.
+/// Committed scene, ready for rays from any thread.
 pub struct Scene {
     raw: sys::RtcScene,
-    /// What user geometries refer to; at fixed addresses, freed after the scene.
+    /// Shapes with callbacks, at fixed addresses; freed after the scene.
     users: Vec<Arc<dyn UserGeometry>>,
     device: Arc<Device>,
 }
@@ -53,10 +53,10 @@ unsafe impl Send for Scene {}
 unsafe impl Sync for Scene {}
 
 impl SceneBuilder {
-    /// An empty scene.
+    /// Creates an empty scene.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] where Embree makes none.
+    /// [`Error::Unavailable`] if Embree cannot create one.
     pub fn new(device: &Arc<Device>, robust: bool, quality: Quality) -> Result<Self> {
         let api = device.api();
         // SAFETY: the device lives.
@@ -72,10 +72,10 @@ impl SceneBuilder {
         Ok(Self(Scene { raw, users: Vec::new(), device: device.clone() }))
     }
 
-    /// Adds triangles as geometry `id`. Embree leaves out those whose indices are out of range.
+    /// Adds triangles as geometry `id`. Embree drops those whose indices are out of range.
     ///
     /// # Errors
-    /// A limit where memory runs out.
+    /// A limit if memory runs out.
     pub fn triangles(&mut self, id: u32, mask: u32, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_TRIANGLE)?;
         geometry.buffer(sys::BUFFER_VERTEX, sys::FORMAT_FLOAT3, positions)?;
@@ -84,10 +84,10 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Adds Embree's own spheres, centre and radius each, as geometry `id`.
+    /// Adds Embree's own spheres, given as centre and radius, as geometry `id`.
     ///
     /// # Errors
-    /// A limit where memory runs out.
+    /// A limit if memory runs out.
     pub fn sphere_points(&mut self, id: u32, mask: u32, spheres: &[Vec4]) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_SPHERE_POINT)?;
         geometry.buffer(sys::BUFFER_VERTEX, sys::FORMAT_FLOAT4, spheres)?;
@@ -95,10 +95,10 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Adds shapes of our own as geometry `id`.
+    /// Adds shapes with callbacks as geometry `id`.
     ///
     /// # Errors
-    /// A limit where memory runs out.
+    /// A limit if memory runs out.
     pub fn user<T: UserGeometry + 'static>(&mut self, id: u32, mask: u32, user: T) -> Result<()> {
         let geometry = NewGeometry::new(&self.0.device, sys::TYPE_USER)?;
         let user = Arc::new(user);
@@ -121,7 +121,7 @@ impl SceneBuilder {
     /// Builds the hierarchy.
     ///
     /// # Errors
-    /// A limit where memory runs out; [`Unavailable::Failed`] with any other error of Embree.
+    /// A limit if memory runs out; [`Unavailable::Failed`] with any other error of Embree.
     pub fn commit(self) -> Result<Scene> {
         // SAFETY: scene and device live.
         unsafe { (self.0.device.api().commit_scene)(self.0.raw) };
@@ -131,12 +131,12 @@ impl SceneBuilder {
 }
 
 impl Scene {
-    /// The scene's address, valid while `self` is.
+    /// Address of the scene, valid while `self` lives.
     pub(super) fn raw(&self) -> sys::RtcScene {
         self.raw
     }
 
-    /// `rtcIntersect1`: a hit nearer than `tfar` is written over it and over the hit's fields.
+    /// Calls `rtcIntersect1`: the nearest hit before `tfar` is written to `tfar` and the fields of the hit.
     #[inline]
     pub fn intersect1(&self, ray: &mut sys::RtcRayHit1, query: &QueryArguments) {
         // SAFETY: the scene is committed; the struct has Embree's layout and alignment, and opening the library has
@@ -144,35 +144,35 @@ impl Scene {
         unsafe { (self.device.api().intersect1)(self.raw, ray, query) }
     }
 
-    /// `rtcIntersect8`, for the lanes that `valid` has -1 in.
+    /// Calls `rtcIntersect8` for the lanes with -1 in `valid`.
     #[inline]
     pub fn intersect8(&self, valid: &Valid<8>, rays: &mut sys::RtcRayHit8, query: &QueryArguments) {
         // SAFETY: as in `intersect1`; the mask has eight lanes and is aligned to 64.
         unsafe { (self.device.api().intersect8)(valid.0.as_ptr(), self.raw, rays, query) }
     }
 
-    /// `rtcIntersect16`, for the lanes that `valid` has -1 in.
+    /// Calls `rtcIntersect16` for the lanes with -1 in `valid`.
     #[inline]
     pub fn intersect16(&self, valid: &Valid<16>, rays: &mut sys::RtcRayHit16, query: &QueryArguments) {
         // SAFETY: as in `intersect8`, with sixteen.
         unsafe { (self.device.api().intersect16)(valid.0.as_ptr(), self.raw, rays, query) }
     }
 
-    /// `rtcOccluded1`: `tfar` becomes -inf where anything is met.
+    /// Calls `rtcOccluded1`: `tfar` becomes -inf if anything is hit.
     #[inline]
     pub fn occluded1(&self, ray: &mut sys::RtcRay1, query: &QueryArguments) {
         // SAFETY: as in `intersect1`.
         unsafe { (self.device.api().occluded1)(self.raw, ray, query) }
     }
 
-    /// `rtcOccluded8`, for the lanes that `valid` has -1 in.
+    /// Calls `rtcOccluded8` for the lanes with -1 in `valid`.
     #[inline]
     pub fn occluded8(&self, valid: &Valid<8>, rays: &mut sys::RtcRay8, query: &QueryArguments) {
         // SAFETY: as in `intersect8`.
         unsafe { (self.device.api().occluded8)(valid.0.as_ptr(), self.raw, rays, query) }
     }
 
-    /// `rtcOccluded16`, for the lanes that `valid` has -1 in.
+    /// Calls `rtcOccluded16` for the lanes with -1 in `valid`.
     #[inline]
     pub fn occluded16(&self, valid: &Valid<16>, rays: &mut sys::RtcRay16, query: &QueryArguments) {
         // SAFETY: as in `intersect16`.
@@ -187,7 +187,7 @@ impl Drop for Scene {
     }
 }
 
-/// A geometry on its way into a scene.
+/// Geometry that is not yet attached to a scene.
 struct NewGeometry {
     raw: sys::RtcGeometry,
     device: Arc<Device>,
@@ -200,7 +200,7 @@ impl NewGeometry {
         if raw.is_null() { Err(refused(device, "makes no geometry")) } else { Ok(Self { raw, device: device.clone() }) }
     }
 
-    /// Copies `items` into a buffer of Embree's, which is padded as its loads need.
+    /// Copies `items` to a buffer that Embree allocates, with the padding that its loads need.
     fn buffer<T: Copy>(&self, which: c_int, format: c_int, items: &[T]) -> Result<()> {
         let api = self.device.api();
         // SAFETY: the geometry lives; all items have the size of the format.
@@ -231,7 +231,7 @@ impl Drop for NewGeometry {
     }
 }
 
-/// What Embree reported, or else `what`.
+/// Returns the error that Embree reported, or else `what`.
 fn refused(device: &Device, what: &str) -> Error {
     device.check().err().unwrap_or_else(|| Unavailable::Failed(what.into()).into())
 }

@@ -1,4 +1,4 @@
-//! Exact spheres as user geometry: the native path's own test, called back by Embree.
+//! Exact spheres as user geometry, by callbacks to the native path's own test.
 
 use std::ffi::c_int;
 
@@ -11,24 +11,24 @@ use crate::geometry::slab::SlabRay;
 use crate::geometry::{Aabb, COORDINATE_LIMIT, Sphere, sphere};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 
-/// Spheres that share a geometry mask, each with its place in the list the accelerator was built from.
+/// Spheres with the same geometry mask, each with its index in the list of geometry.
 pub struct SphereGroup {
     spheres: Vec<(Sphere, u32)>,
     mode: Mode,
 }
 
 impl SphereGroup {
-    /// From usable spheres, at least one.
+    /// Creates the group from at least one usable sphere.
     pub fn new(spheres: Vec<(Sphere, u32)>, mode: Mode) -> Self {
         Self { spheres, mode }
     }
 
-    /// Parameters, and which of up to eight lanes from `first` on meet sphere `i`.
+    /// Ray parameters of the hits with sphere `i`, and the lanes that hit it, for up to eight lanes from `first` on.
     #[inline(always)]
     fn meet(&self, i: u32, rays: &UserRays, first: usize) -> (F32x8, Mask8) {
         let (Sphere { centre, radius }, _) = self.spheres[i as usize];
         let lanes = (rays.n - first).min(8);
-        // Lanes beyond the last take on numbers that do no harm.
+        // Lanes beyond the last get harmless numbers.
         let field = |k: usize, rest: f32| {
             let here = &rays.fields[k * rays.n + first..][..lanes];
             here.try_into().map_or_else(|_| F32x8::from_fn(|i| here.get(i).copied().unwrap_or(rest)), F32x8::new)
@@ -45,7 +45,7 @@ impl SphereGroup {
     }
 }
 
-// Where the fields of `UserRays` start, in lanes.
+// Offsets of the fields of `UserRays`, in units of `n` numbers.
 const ORG_X: usize = 0;
 const TNEAR: usize = 3;
 const DIR_X: usize = 4;
@@ -96,8 +96,8 @@ impl UserGeometry for SphereGroup {
 
 #[cfg(test)]
 mod tests {
+    use super::super::hierarchy::{Embree, tests};
     use super::super::options::{Options, Width};
-    use super::super::{Embree, tests};
     use super::*;
     use crate::accel::{Coherence, Intersector};
     use crate::geometry::{Geometry, GeometryMask, Hit8, Ray, Ray8, Shape};
@@ -115,7 +115,7 @@ mod tests {
         let spheres: Vec<Sphere> = (0..50)
             .map(|_| Sphere { centre: Vec3::new(next(), next(), next()) * 4.0 - 2.0, radius: 0.01 + 0.5 * next() })
             .collect();
-        // Half of the rays start on a sphere's surface, where what is met depends on the last bits.
+        // Half of the rays start on a sphere's surface, where the last bits decide the hit.
         let rays: Vec<Ray> = (0..4000)
             .map(|k| {
                 let dir = Vec3::new(next(), next(), next()) - 0.5;

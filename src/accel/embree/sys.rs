@@ -1,33 +1,33 @@
-//! Embree 4 as C declares it: the structs and functions that the back end uses, and no more.
+//! Declarations of the Embree 4 structs and functions that the back end uses.
 //!
 //! The structs are those of 4.3 and later, whose hits end with `instPrimID` (headers `rtcore_ray.h`,
-//! `rtcore_geometry.h`, `rtcore_scene.h`). A library older than that writes less and is served as well; one that
-//! writes more (built for several instance levels) is found out when a device is opened. Names are C's in Rust's
+//! `rtcore_geometry.h`, `rtcore_scene.h`). An older library writes less, which is harmless. A library that writes more,
+//! because it was built for several instance levels, is detected when it is opened. Names are those of C in Rust's
 //! spelling.
 
 #![allow(unsafe_code, reason = "the types and functions of the Embree library")]
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
-/// What `geom_id` holds on a miss.
+/// Value of `geom_id` on a miss.
 pub const INVALID_GEOMETRY: u32 = u32::MAX;
 
-/// Embree's objects, known by address only.
+/// Device: an opaque object of Embree, known by address only.
 pub type RtcDevice = *mut c_void;
-/// See [`RtcDevice`].
+/// Scene; see [`RtcDevice`].
 pub type RtcScene = *mut c_void;
-/// See [`RtcDevice`].
+/// Geometry; see [`RtcDevice`].
 pub type RtcGeometry = *mut c_void;
 
 /// `RTC_DEVICE_PROPERTY_VERSION`: major * 10000 + minor * 100 + patch.
 pub const PROPERTY_VERSION: c_int = 0;
-/// Whether 16-wide packets are traversed as such.
+/// `RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED`: not 0 if 16-wide packets are traversed 16 wide.
 pub const PROPERTY_NATIVE_RAY16: c_int = 34;
-/// Whether ray masks are looked at.
+/// `RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED`: not 0 if ray masks are tested.
 pub const PROPERTY_RAY_MASK: c_int = 64;
-/// Whether back faces are culled, which makes a library of no use here.
+/// `RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED`: not 0 if back faces are culled; such a library is refused.
 pub const PROPERTY_BACKFACE_CULLING: c_int = 65;
-/// 0 Embree's own, 1 TBB, 2 PPL.
+/// `RTC_DEVICE_PROPERTY_TASKING_SYSTEM`: 0 for Embree's own, 1 for TBB, 2 for PPL.
 pub const PROPERTY_TASKING_SYSTEM: c_int = 128;
 
 /// `RTC_GEOMETRY_TYPE_TRIANGLE`.
@@ -60,12 +60,12 @@ pub const QUERY_COHERENT: c_int = 1 << 16;
 /// `RTC_FEATURE_FLAG_ALL`.
 pub const FEATURE_ALL: c_int = -1;
 
-/// The lane mask of a packet call: -1 where active, else 0. Aligned for the widest.
+/// Lane mask of a packet call: -1 for active lanes, else 0. Aligned for the widest packet.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Valid<const N: usize>(pub [c_int; N]);
 
-/// Rays, hits, and both together, `$n` wide. One ray is the same with arrays of one.
+/// Declares rays, hits, and rays with hits, `$n` wide. Single rays have arrays of length 1.
 macro_rules! packet {
     ($n:literal, $align:literal, $ray:ident, $hit:ident, $ray_hit:ident, $ray_size:literal, $ray_hit_size:literal) => {
         #[doc = concat!("`RTCRay", $n, "` (`RTCRay` for 1).")]
@@ -75,13 +75,13 @@ macro_rules! packet {
             pub org_x: [f32; $n],
             pub org_y: [f32; $n],
             pub org_z: [f32; $n],
-            /// Nearest parameter, inclusive in robust mode, exclusive in fast mode.
+            /// Smallest parameter, inclusive in robust mode, exclusive in fast mode.
             pub tnear: [f32; $n],
             pub dir_x: [f32; $n],
             pub dir_y: [f32; $n],
             pub dir_z: [f32; $n],
             pub time: [f32; $n],
-            /// Furthest parameter, inclusive; the hit's on return, or -inf from an occlusion call that met something.
+            /// Largest parameter, inclusive. On return, that of the hit, or -inf if an occlusion call hit anything.
             pub tfar: [f32; $n],
             pub mask: [u32; $n],
             pub id: [u32; $n],
@@ -95,14 +95,14 @@ macro_rules! packet {
             pub ng_x: [f32; $n],
             pub ng_y: [f32; $n],
             pub ng_z: [f32; $n],
-            /// Weight of the second corner.
+            /// Barycentric weight of the second corner.
             pub u: [f32; $n],
-            /// Weight of the third corner.
+            /// Barycentric weight of the third corner.
             pub v: [f32; $n],
             pub prim_id: [u32; $n],
             pub geom_id: [u32; $n],
             pub inst_id: [u32; $n],
-            /// What 4.2 did not have.
+            /// Field that 4.2 does not have.
             pub inst_prim_id: [u32; $n],
         }
 
@@ -125,14 +125,14 @@ packet!(1, 16, RtcRay1, RtcHit1, RtcRayHit1, 48, 96);
 packet!(8, 32, RtcRay8, RtcHit8, RtcRayHit8, 384, 672);
 packet!(16, 64, RtcRay16, RtcHit16, RtcRayHit16, 768, 1344);
 
-/// Where a ray with hit ends, in bytes, by width 1, 8, 16: the last byte that a library may write is the one before.
-/// (One hit is padded at its end, which the library leaves alone.)
+/// Size in bytes of a ray with hit, for widths 1, 8 and 16. A library may write no byte from there on. (A single hit
+/// has padding at its end, which libraries do not write.)
 pub const RAY_HIT_ENDS: [usize; 3] = [84, size_of::<RtcRayHit8>(), size_of::<RtcRayHit16>()];
 
-/// Where the structs of 4.2 end, which the crate `embree4-rs` 0.0.16 declares: 4, 32 and 64 bytes too early.
+/// The same sizes in 4.2 and in the crate `embree4-rs` 0.0.16: too small by 4, 32 and 64 bytes.
 pub const RAY_HIT_ENDS_4_2: [usize; 3] = [80, 640, 1280];
 
-/// `RTCIntersectArguments`, and `RTCOccludedArguments` alike.
+/// `RTCIntersectArguments` and `RTCOccludedArguments`, which have the same layout.
 #[repr(C)]
 pub struct QueryArguments {
     pub flags: c_int,
@@ -140,12 +140,12 @@ pub struct QueryArguments {
     pub context: *mut c_void,
     pub filter: *mut c_void,
     pub callback: *mut c_void,
-    /// There only in libraries built with `RTC_MIN_WIDTH`; the others do not look this far.
+    /// Present only in libraries built with `RTC_MIN_WIDTH`; others do not read it.
     pub min_width_distance_factor: f32,
 }
 
 impl QueryArguments {
-    /// Arguments with these flags and no callbacks.
+    /// Creates arguments with these flags and no callbacks.
     #[must_use]
     pub fn new(flags: c_int) -> Self {
         let none = std::ptr::null_mut();
@@ -178,8 +178,8 @@ pub struct BoundsArguments {
     pub bounds: *mut RtcBounds,
 }
 
-/// `RTCIntersectFunctionNArguments`, and `RTCOccludedFunctionNArguments` alike but for what `rays` points at: rays
-/// with hits, or rays alone.
+/// `RTCIntersectFunctionNArguments` and `RTCOccludedFunctionNArguments`. They have the same layout, but `rays` points
+/// at rays with hits in the former and at rays alone in the latter.
 #[repr(C)]
 pub struct CallbackArguments {
     pub valid: *mut c_int,
@@ -203,25 +203,25 @@ pub type BoundsFunction = unsafe extern "C" fn(*const BoundsArguments);
 /// `RTCIntersectFunctionN` and `RTCOccludedFunctionN`.
 pub type CallbackFunction = unsafe extern "C" fn(*const CallbackArguments);
 
-/// The functions, found by name in a library.
+/// Declares a struct of functions that are looked up by name in a library.
 macro_rules! functions {
     ($($name:ident = $symbol:literal: fn($($arg:ty),*) $(-> $ret:ty)?;)*) => {
-        /// Embree's functions, as one loaded library has them.
+        /// Functions of one loaded library.
         pub struct Api {
             $(#[doc = concat!("`", $symbol, "`.")] pub $name: unsafe extern "C" fn($($arg),*) $(-> $ret)?,)*
         }
 
         impl Api {
-            /// The names that a library must have.
+            /// Names that a library must have.
             pub const SYMBOLS: &[&str] = &[$($symbol),*];
 
-            /// Looks all functions up.
+            /// Looks up all functions.
             ///
             /// # Errors
             /// The name that the library lacks.
             ///
             /// # Safety
-            /// `library` must be Embree 4, or lack one of the names, and stay loaded for as long as the result is used.
+            /// `library` must be Embree 4 or lack one of the names, and must stay loaded while the result is used.
             pub unsafe fn load(library: &libloading::Library) -> Result<Self, &'static str> {
                 $(
                     // SAFETY: the caller vouches that the library is Embree 4, whose headers declare the symbol so.

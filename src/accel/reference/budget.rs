@@ -1,7 +1,7 @@
-//! Bounded work: rays that touch ten thousands of shapes at once must not hold up a run for hours.
+//! Limit on work, because rays that touch ten thousand shapes at once would take hours.
 
-/// Work that may still be done, counted and not timed, so that the same is left out on every machine. A unit is about
-/// ten nanoseconds: a box entered is one, a shape tested four, a contact found sixteen.
+/// Work that may still be done. It is counted and not timed, so that every machine leaves out the same. A unit takes
+/// about ten nanoseconds. A box entered costs 1, a shape tested 4, a contact found 16.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
     left: u64,
@@ -12,19 +12,19 @@ impl Budget {
     pub(super) const TEST: u64 = 4;
     pub(super) const CONTACT: u64 = 16;
 
-    /// A budget of so many units.
+    /// Creates a budget of so many units.
     #[must_use]
     pub fn new(units: u64) -> Self {
         Self { left: units }
     }
 
-    /// More than any run can spend.
+    /// Creates a budget that no run can use up.
     #[must_use]
     pub fn unlimited() -> Self {
         Self { left: u64::MAX }
     }
 
-    /// The units left.
+    /// Number of units left.
     #[must_use]
     pub fn left(&self) -> u64 {
         self.left
@@ -36,7 +36,7 @@ impl Budget {
         self.left == 0
     }
 
-    /// Takes `units` away, or all that is left.
+    /// Subtracts `units`, or all that is left.
     pub fn spend(&mut self, units: u64) {
         self.left = self.left.saturating_sub(units);
     }

@@ -1,10 +1,10 @@
-//! How far a decision in `f64` is from going the other way, and how far `f32` may carry it.
+//! Error bounds: the distance of an `f64` decision from the opposite one, and the error that `f32` may make in it.
 //!
-//! Any sane `f32` kernel, whatever its formula, starts by moving the shape to the ray's origin, which rounds each
-//! coordinate, and then does a handful of operations on numbers no larger. Its answer is therefore right for some
-//! shape whose points lie within a few roundings of `reach` (the largest coordinate relative to the origin) of the
-//! given ones, plus the roundings of the last products. [`ROUNDINGS`] is that handful. The native Woop kernel needs
-//! about 5 (difference, shear factor, product, difference, product), Embree's two kernels 6 to 12.
+//! An `f32` kernel, whatever its formula, starts by moving the shape to the ray's origin, which rounds each coordinate.
+//! A few operations on numbers no larger follow. So its answer is right for some shape whose points lie within a few
+//! roundings of `reach` of the given ones, plus the roundings of the last products. `reach` is the largest coordinate
+//! relative to the origin. [`ROUNDINGS`] is the number of these roundings. The native Woop kernel needs about 5
+//! (difference, shear factor, product, difference, product), Embree's two kernels 6 to 12.
 
 use arrayvec::ArrayVec;
 use glam::DVec3;
@@ -12,32 +12,32 @@ use glam::DVec3;
 use super::primitive::{Form, Primitive, Probe, moment};
 use crate::math::{UNIT_ROUNDOFF, ulp};
 
-/// Roundings by `f32` that a point may suffer, relative to `reach`.
+/// Number of `f32` roundings that a point may suffer, each relative to `reach`.
 const ROUNDINGS: f64 = 16.0;
 
-/// What `f32` may move by, relative to `reach`.
+/// Distance that a point may move in `f32`, relative to `reach`.
 pub(super) const SLIP: f64 = ROUNDINGS * UNIT_ROUNDOFF as f64;
 
-/// Further movement in scene units where products underflow: 16 roundings of 2^-150, the spacing there.
+/// Further movement in scene units if products underflow: 16 roundings of 2^-150, the spacing there.
 pub(super) const TINY: f64 = ROUNDINGS * 7.006_492_321_624_085e-46;
 
-/// A decision's distance from flipping, against the error that `f32` may make in it; same unit.
+/// Distance of a decision from the opposite one, and the error that `f32` may make in it, in the same unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    /// How far the `f64` value is from the other decision, at least 0.
+    /// Distance of the `f64` value from the opposite decision, at least 0.
     pub distance: f64,
-    /// How far `f32` may be off, at least 0; infinite where it decides nothing.
+    /// Largest error of `f32`, at least 0; infinite if `f32` decides nothing.
     pub bound: f64,
 }
 
 impl Margin {
-    /// Whether every sane `f32` evaluation must decide alike.
+    /// Returns true if every valid `f32` evaluation must decide alike.
     #[must_use]
     pub fn is_decided(&self) -> bool {
         self.distance > self.bound
     }
 
-    /// How many times the bound fits into the distance.
+    /// Returns the distance in units of the bound.
     fn ratio(&self) -> f64 {
         if self.bound > 0.0 { self.distance / self.bound } else { f64::INFINITY }
     }
@@ -54,30 +54,30 @@ impl Margin {
     const SURE: Self = Self { distance: f64::INFINITY, bound: 0.0 };
 }
 
-/// One primitive against the whole line of one ray.
+/// Intersection of one primitive with the whole line of one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
     /// Instance, geometry and primitive.
     pub id: (u32, u32, u32),
-    /// Whether `f64` finds the line to pass through the primitive.
+    /// True if the line passes through the primitive in `f64`.
     pub inside: bool,
     /// Distance to the nearest edge or silhouette that would flip `inside`, in scene units.
     pub edge: Margin,
-    /// Ray parameter, also where the line only passes beside it.
+    /// Ray parameter, also if the line passes outside the primitive.
     pub t: f64,
-    /// What `f32` is asked to keep to in `t`: 16 ulp of `reach`, over |cos| of incidence and the direction's length.
+    /// Tolerance of `t` for `f32`: 16 ulp of `reach`, divided by |cos| of incidence and the direction's length.
     pub tolerance: f64,
-    /// What it may be off in `t` at worst; above `tolerance` on slivers, where rounded edges make bad weights.
+    /// Largest error of `t` in `f32`. It exceeds `tolerance` on slivers, where rounded edges give bad weights.
     pub bound: f64,
-    /// Place in the list of primitives.
+    /// Index in the list of primitives.
     pub(super) place: usize,
-    /// The least and the largest `t` that a kernel may report whose `t` is a mean of those of a triangle's corners.
+    /// Smallest and largest `t` of a kernel that computes `t` as a mean of those of the triangle's corners.
     pub(super) span: [f64; 2],
 }
 
 impl Contact {
-    /// The contacts of `primitive`, at `place` in the list, with the ray of `probe`: two with a sphere, one with a
-    /// triangle, at most one with a plane.
+    /// Returns the contacts of `primitive`, which has index `place` in the list, with the ray of `probe`: two with a
+    /// sphere, one with a triangle, at most one with a plane.
     pub(super) fn with(primitive: &Primitive, place: usize, probe: &Probe) -> ArrayVec<Self, 2> {
         let contacts: ArrayVec<Self, 2> = match &primitive.form {
             Form::Triangle(corners) => std::iter::once(triangle(primitive.id(), probe, corners)).collect(),
@@ -113,7 +113,7 @@ fn triangle(id: (u32, u32, u32), probe: &Probe, corners: &[DVec3; 3]) -> Contact
     let edge = if inside {
         margins.into_iter().fold(Margin::SURE, Margin::least)
     } else {
-        // Outside is proved by one edge of either sign.
+        // One edge proves the ray to be outside, by its sign.
         let best = |sign: f64| {
             let of_sign = (0..3).filter(|&i| seen.edges[i] * sign > 0.0);
             of_sign.fold(Margin::NONE, |best, i| Margin::most(best, margins[i]))
@@ -124,7 +124,7 @@ fn triangle(id: (u32, u32, u32), probe: &Probe, corners: &[DVec3; 3]) -> Contact
     let slip_t = slip / ray.dir.abs().max_element() + TINY;
     let (first, last) = seen.depth.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(f, l), &t| (f.min(t), l.max(t)));
     let Some((t, ..)) = seen.meeting() else {
-        // Edge-on: where the corners do not tell the line to be elsewhere, `f32` may find anything.
+        // Edge-on: unless the corners prove the line to be elsewhere, `f32` may find anything.
         let t = seen.depth.iter().sum::<f64>() / 3.0;
         let span = [first - slip_t, last + slip_t];
         return Contact { id, inside: false, edge, t, tolerance: f64::INFINITY, bound: f64::INFINITY, place: 0, span };
@@ -133,7 +133,7 @@ fn triangle(id: (u32, u32, u32), probe: &Probe, corners: &[DVec3; 3]) -> Contact
     let tolerance = tolerance(reach, normal.dot(ray.dir) / ray.dir.length(), ray.dir);
     let lengths = [1, 2, 0].map(|i| (seen.flat[i] - seen.flat[(i + 1) % 3]).length());
     let errors = [0, 1, 2].map(|i| if lengths[i] > 0.0 { margins[i].bound * lengths[i] } else { 0.0 });
-    // The weights' sum is off by as much as they are.
+    // The error of the sum is the sum of the errors.
     let whole_left = seen.whole().abs() - errors.iter().sum::<f64>();
     let weights_off = if whole_left > 0.0 {
         (0..3).map(|i| errors[i] * (seen.depth[i] - t).abs()).sum::<f64>() / whole_left

@@ -1,7 +1,7 @@
-//! The arbiter: what a ray meets, in `f64`, one ray at a time, unhurried.
+//! The arbiter: hits of single rays in `f64`.
 //!
-//! It takes the same `f32` shapes as every other path; widening them is exact, so that what it finds is off by roundings
-//! of 2^-53 where they are off by roundings of 2^-24. [`Reference::judge`] turns that gap into verdicts on their answers.
+//! It takes the same `f32` shapes as every other path. Widening them is exact, so its answers have errors of 2^-53
+//! where other paths have errors of 2^-24. [`Reference::judge`] turns that difference into verdicts on their answers.
 
 mod budget;
 mod margin;
@@ -33,7 +33,7 @@ use tree::{EXACT, Tree};
 /// Bytes of a primitive in a list that grows by doubling.
 const PRIMITIVE_BYTES: usize = 2 * size_of::<Primitive>();
 
-/// Shapes to be met, in `f64`.
+/// Shapes in `f64` with a hierarchy over them.
 #[derive(Clone, Debug, Default)]
 pub struct Reference {
     /// In the order of their ids.
@@ -46,14 +46,14 @@ impl Reference {
     /// Checks that there is memory for a hierarchy over `geometry`.
     ///
     /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit), where there is none.
+    /// [`Error::Limit`](crate::Error::Limit) if there is not enough.
     pub fn need(geometry: &[Geometry]) -> Result<()> {
         let counts = Counts::of(geometry);
         let bytes = counts.triangles.saturating_add(counts.spheres).saturating_mul(Tree::BYTES_EACH + PRIMITIVE_BYTES);
         memory::need(&counts.named("the f64 hierarchy over"), bytes as u64, counts.cure())
     }
 
-    /// Takes in the shapes. What cannot be hit is left out and counted.
+    /// Builds the hierarchy. Primitives that no ray can hit are dropped and counted.
     #[must_use]
     pub fn build(geometry: &[Geometry]) -> Self {
         let start = Instant::now();
@@ -75,13 +75,13 @@ impl Reference {
         Self { primitives, tree, stats }
     }
 
-    /// The nearest hit, or a miss.
+    /// Returns the nearest hit, or a miss.
     #[must_use]
     pub fn closest(&self, ray: &Ray64) -> Hit64 {
         self.closest_within(ray, &mut Budget::unlimited())
     }
 
-    /// The nearest hit among what `budget` lasts for.
+    /// Returns the nearest hit among those found within `budget`.
     fn closest_within(&self, ray: &Ray64, budget: &mut Budget) -> Hit64 {
         let mut best = Hit64::MISS;
         self.visit(ray, budget, |hit| {
@@ -93,7 +93,7 @@ impl Reference {
         best
     }
 
-    /// Whether anything that the ray admits is met.
+    /// Returns true if the ray hits anything that it admits.
     #[must_use]
     pub fn occluded(&self, ray: &Ray64) -> bool {
         let mut met = false;
@@ -104,13 +104,14 @@ impl Reference {
         met
     }
 
-    /// Every hit, nearest first, ties by id. A ray through a shared edge meets both triangles.
+    /// Returns all hits, nearest first, ties in order of id. A ray through a shared edge hits both triangles.
     #[must_use]
     pub fn all_hits(&self, ray: &Ray64) -> Vec<Hit64> {
         self.hits_within(ray, &mut Budget::unlimited())
     }
 
-    /// The same hits while `budget` lasts; where it is spent afterwards, some may be missing.
+    /// Returns the same hits as [`Reference::all_hits`] if `budget` is not spent afterwards. Otherwise some may be
+    /// missing.
     #[must_use]
     pub fn hits_within(&self, ray: &Ray64, budget: &mut Budget) -> Vec<Hit64> {
         let mut hits = Vec::new();
@@ -122,13 +123,13 @@ impl Reference {
         hits
     }
 
-    /// What was built.
+    /// Statistics of the build.
     #[must_use]
     pub fn stats(&self) -> BuildStats {
         self.stats
     }
 
-    /// Shows `see` the hits of `ray`, in no order. It gives back the parameter beyond which it wants no more.
+    /// Calls `see` with the hits of `ray`, in no order. It returns the parameter beyond which it needs no hits.
     fn visit(&self, ray: &Ray64, budget: &mut Budget, mut see: impl FnMut(Hit64) -> ControlFlow<(), f64>) {
         if !ray.is_usable() {
             return;

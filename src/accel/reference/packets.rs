@@ -1,11 +1,11 @@
-//! The arbiter behind the door that every path has: each lane widened and traced by itself.
+//! [`Intersector`] for the arbiter: each lane is widened and traced on its own.
 
 use super::{Ray64, Reference};
 use crate::accel::{BuildStats, Coherence, Intersector};
 use crate::geometry::{Hit8, Ray8};
 use crate::simd::Mask8;
 
-/// The active lanes of a packet with their rays; `t_min` also as it came.
+/// Active lanes of a packet with their rays in `f64`, and `t_min` in `f32`.
 fn lanes(rays: &Ray8) -> impl Iterator<Item = (usize, f32, Ray64)> + '_ {
     (0..8).filter(|i| rays.active >> i & 1 != 0).map(|i| {
         let ray = rays.lane(i);

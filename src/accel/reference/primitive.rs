@@ -1,4 +1,4 @@
-//! Ray against triangle, sphere and plane in `f64`.
+//! Intersection tests for triangles, spheres and planes in `f64`.
 
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
@@ -7,7 +7,7 @@ use super::{Hit64, Ray64};
 use crate::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere};
 use crate::math::Vector3;
 
-/// One thing that can be hit.
+/// Triangle, sphere or plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Primitive {
     pub form: Form,
@@ -32,7 +32,7 @@ pub(super) enum Form {
 }
 
 impl Primitive {
-    /// Every usable primitive of `geometry` in the order of their ids, and how many were left out.
+    /// Returns the usable primitives of `geometry` in order of their ids, and the number of dropped ones.
     pub fn collect(geometry: &[Geometry]) -> (Vec<Self>, usize) {
         let mut kept = Vec::new();
         let mut dropped = 0;
@@ -55,7 +55,7 @@ impl Primitive {
         (kept, dropped)
     }
 
-    /// Where the whole line of `probe`'s ray meets it, nearest first; the caller looks at the interval.
+    /// Returns the hits of the whole line of `probe`'s ray, nearest first. The caller compares them with the interval.
     pub fn meetings(&self, probe: &Probe) -> ArrayVec<Hit64, 2> {
         let hit =
             |t: f64, u: f64, v: f64| Hit64 { t, u, v, instance: 0, geometry: self.geometry, primitive: self.primitive };
@@ -82,7 +82,7 @@ impl Primitive {
         hits
     }
 
-    /// The instance, geometry and primitive of its hits.
+    /// Instance, geometry and primitive of its hits.
     pub fn id(&self) -> (u32, u32, u32) {
         (0, self.geometry, self.primitive)
     }
@@ -98,14 +98,14 @@ fn plane_form(plane: &Plane) -> Option<Form> {
     plane.is_usable().then(form)
 }
 
-/// Distance of `ray`'s line from a point `from_centre` before its origin, times the length of its direction. The products
-/// are compensated, so that it keeps its digits from any distance.
+/// Distance between the line of `ray` and the centre, times the length of the ray's direction. `from_centre` is the
+/// ray's origin relative to the centre. Products are compensated, so the result is accurate from any distance.
 pub(super) fn moment(ray: &Ray64, from_centre: DVec3) -> f64 {
     Vector3::from(from_centre).cross(ray.dir.into()).length()
 }
 
-/// Both roots in ascending order. The discriminant comes from the moment of the line and the smaller root from the
-/// larger, so that neither cancels.
+/// Returns both roots in ascending order. The discriminant is computed from the moment of the line and the smaller root
+/// from the larger, so that neither cancels.
 fn sphere_roots(ray: &Ray64, centre: DVec3, radius: f64) -> Option<[f64; 2]> {
     let from_centre = ray.origin - centre;
     let a = ray.dir.length_squared();
@@ -125,18 +125,18 @@ fn sphere_roots(ray: &Ray64, centre: DVec3, radius: f64) -> Option<[f64; 2]> {
     Some([s.min(t), s.max(t)])
 }
 
-/// A ray with the shear that turns it into the z axis (Woop, Benthin & Wald, "Watertight ray/triangle intersection",
-/// JCGT 2013).
+/// Ray with the shear that turns its direction into the z axis (Woop, Benthin & Wald, "Watertight ray/triangle
+/// intersection", JCGT 2013).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Probe {
     pub ray: Ray64,
-    /// Axes of the sheared x, y and z; z is the direction's largest.
+    /// Axes that become x, y and z; z is the one of the direction's largest component.
     axes: [usize; 3],
     shear: DVec2,
 }
 
 impl Probe {
-    /// `ray` must be usable.
+    /// Computes the shear of `ray`, which must be usable.
     pub fn new(ray: &Ray64) -> Self {
         let z = ray.dir.abs().max_position();
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
@@ -144,7 +144,8 @@ impl Probe {
         Self { ray: *ray, axes: [x, y, z], shear }
     }
 
-    /// A triangle as the ray sees it. A corner comes out the same in every triangle that has it.
+    /// Transforms a triangle to the sheared space. A corner that several triangles share has the same coordinates in
+    /// each.
     pub fn triangle(&self, corners: &[DVec3; 3]) -> SeenTriangle {
         let [x, y, z] = self.axes;
         let relative = corners.map(|p| p - self.ray.origin);
@@ -155,24 +156,24 @@ impl Probe {
     }
 }
 
-/// A triangle in the sheared space of a ray, where the ray is the point (0, 0).
+/// Triangle in the sheared space of a ray. The ray is the point (0, 0).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeenTriangle {
-    /// Its corners across the ray, in scene units along the two smaller axes of the direction.
+    /// Corners across the ray, in scene units along the two smaller axes of the direction.
     pub flat: [DVec2; 3],
-    /// The corners' ray parameters.
+    /// Ray parameters of the corners.
     pub depth: [f64; 3],
-    /// Twice the signed area that the ray forms with the edge opposite each corner: that corner's weight, unscaled.
+    /// Twice the signed area between the ray and the edge opposite each corner: the unscaled weights of the corners.
     pub edges: [f64; 3],
 }
 
 impl SeenTriangle {
-    /// Whether the ray passes through it, edges included, on either face.
+    /// Returns true if the ray passes through the triangle or its edges, from either side.
     pub fn is_inside(&self) -> bool {
         self.edges.iter().all(|&e| e >= 0.0) || self.edges.iter().all(|&e| e <= 0.0)
     }
 
-    /// `t`, `u`, `v` of the ray in the triangle's plane; `None` where it is seen edge-on.
+    /// Returns `t`, `u`, `v` of the ray in the triangle's plane; `None` if the triangle is seen edge-on.
     pub fn meeting(&self) -> Option<(f64, f64, f64)> {
         let whole = self.whole();
         let [a, b, c] = self.edges.map(|e| e / whole);
@@ -186,9 +187,9 @@ impl SeenTriangle {
     }
 }
 
-/// `p.x q.y - p.y q.x` with the right sign, always: rounding is monotonic, so the rounded products order as the exact
-/// ones do, and where they are equal what they miss decides. Swapping the corners only flips the sign. Two triangles
-/// that share an edge therefore agree on which side of it the ray passes, and no ray slips between them.
+/// Returns `p.x q.y - p.y q.x` with the right sign in all cases. Rounding is monotonic, so rounded products have the
+/// order of exact ones; if they are equal, their rounding errors decide. Swapping the corners only flips the sign. So
+/// two triangles that share an edge agree on the side of it that the ray passes, and no ray slips between them.
 pub(super) fn edge(p: DVec2, q: DVec2) -> f64 {
     let (first, second) = (p.x * q.y, p.y * q.x);
     let first_missed = p.x.mul_add(q.y, -first);

@@ -1,26 +1,27 @@
-//! Joined and unjoined edges close to a ray: what makes a slip through a surface a leak, or excuses it as a crack.
+//! Joined and unjoined edges close to a ray, which tell leaks from cracks. A ray that slips through joined triangles is
+//! a leak, and a fault of the kernel. One that slips through a crack is not.
 //!
-//! An `f32` kernel that is watertight answers exactly for some mesh whose corners lie within a few roundings
-//! ([`SLIP`] times a corner's distance) of the given ones, each corner moved alike in every triangle that has it. A
-//! ray may pass an edge or a corner so closely that no single triangle is certain to be met. It has to meet one of them
-//! all the same where the triangles are joined around it. That is decided without sampling, modulo 2:
+//! A watertight `f32` kernel gives exact answers for some mesh whose corners lie within a few roundings ([`SLIP`] times
+//! a corner's distance) of the given ones. Each corner is moved alike in every triangle that has it. A ray may pass an
+//! edge or a corner so closely that no single triangle is certain to be hit. But if the triangles are joined around the
+//! ray, one of them has to be hit. That is decided without sampling, modulo 2:
 //!
-//! - An edge is *near* if the ray passes it, seen along the ray, within the slip of its ends. Two triangles are joined at
-//!   an edge if both have its two corners, by equal coordinates.
+//! - An edge is *near* if the ray passes it, seen along the ray, within the slip of its ends. Two triangles are joined
+//!   at an edge if both have its two corners, by equal coordinates.
 //! - Take a set of triangles near the ray in which each near edge belongs to an even number of them. Its boundary then
-//!   passes the ray at more than the slip, so that moving the corners moves no part of the boundary across the ray:
-//!   the parity of its winding around the ray is the same before and after. Where it is odd, the set covers the
-//!   ray in the given mesh and in every moved one, and one of its triangles has to be met.
-//! - Such a set exists unless the triangles' own parities (each is crossed by a half line from the ray, or not) are a
-//!   sum of the conditions of near edges, which elimination over the field of two elements finds out. At an edge of
-//!   two triangles it makes both one, at an edge of one it leaves that one out; edges of three or more are solved for.
+//!   passes the ray at more than the slip. So moving the corners moves no part of the boundary across the ray, and the
+//!   parity of its winding around the ray does not change. If it is odd, the set covers the ray in the given mesh and
+//!   in every moved one, and one of its triangles has to be hit.
+//! - The parity of a triangle is that of its crossings with a half line from the ray. Such a set exists unless the
+//!   parities are a sum of the conditions of near edges, which elimination over the field of two elements decides. An
+//!   edge of two triangles merges them, and an edge of one excludes it. Conditions of edges of three or more are
+//!   solved.
 //!
 //! A duplicate, a fin at a third side or a surface behind does not matter, since any set will do. A slit, an unjoined
 //! seam or a corner in the middle of an edge leaves edges with one side, which are never in such a set.
 //!
-//! `f64` is exact enough for that: it moves a corner by 2^-50 of its distance where a near edge is one within 2^-20, and
-//! only edges that are not near decide the parity. The sides of these are told without error
-//! ([`super::primitive::edge`]).
+//! `f64` is accurate enough: it moves a corner by 2^-50 of its distance, while a near edge is one within 2^-20. Only
+//! edges that are not near decide the parity, and their sides are computed without error ([`super::primitive::edge`]).
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -30,25 +31,26 @@ use super::margin::{Contact, SLIP, TINY};
 use super::primitive::{Form, Primitive, Probe, edge};
 use crate::geometry::topology::{Edges, Groups, place, weld};
 
-/// Conditions times triangles up to which edges of three sides and more are solved for; beyond, the ray is not judged.
+/// Largest number of conditions times triangles that is solved for edges of three or more. Beyond it the ray is not
+/// judged.
 const MOST_TERMS: usize = 1 << 22;
 
-/// The triangles close to a ray, and their edges that the ray passes too closely for `f32` to tell the side. Triangles of
-/// the same corners are one.
+/// Triangles close to a ray, and their near edges: those that the ray passes too closely for `f32` to tell the side.
+/// Triangles with the same corners count as one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Seams {
-    /// Places in the list of primitives, ascending, each with its triangle.
+    /// Indices in the list of primitives, ascending, each with the index of its triangle here.
     places: Vec<(usize, u32)>,
-    /// The triangles at each near edge.
+    /// Triangles at each near edge.
     near: Vec<Vec<u32>>,
     /// True if a half line from the ray leaves the triangle an odd number of times.
     odd: Vec<bool>,
-    /// True if the triangle hangs together, across near edges, with a near edge of an odd number of triangles.
+    /// True if the triangle is connected, across near edges, to a near edge of an odd number of triangles.
     open: Vec<bool>,
 }
 
 impl Seams {
-    /// Of those `contacts` that are triangles at whose edges the ray passes too closely.
+    /// Collects the triangles among `contacts` whose edges the ray passes too closely.
     pub fn of<'a>(primitives: &[Primitive], probe: &Probe, contacts: impl Iterator<Item = &'a Contact>) -> Self {
         let mut near_places: Vec<usize> = contacts.filter(|c| !c.edge.is_decided()).map(|c| c.place).collect();
         near_places.sort_unstable();
@@ -56,7 +58,7 @@ impl Seams {
         let (mut positions, mut flat) = (Vec::new(), Vec::new());
         for at in near_places {
             let Form::Triangle(corners) = &primitives[at].form else { continue };
-            // They were widened from `f32`.
+            // Exact, since they were widened from `f32`.
             let narrow = corners.map(|p| p.as_vec3());
             let mut key = narrow.map(place);
             key.sort_unstable();
@@ -95,14 +97,14 @@ impl Seams {
         Self { places, near, odd, open }
     }
 
-    /// Returns true if the surface of the triangle at `place` ends close to the ray: it is open there, or not joined.
+    /// Returns true if the surface of the triangle at index `place` is open or not joined close to the ray.
     pub fn are_open_at(&self, place: usize) -> bool {
         self.places.binary_search_by_key(&place, |p| p.0).is_ok_and(|i| self.open[self.places[i].1 as usize])
     }
 
-    /// Returns true if joined triangles among those at `places` surround the ray, so that one of them has to be met.
+    /// Returns true if joined triangles among those at `places` surround the ray, so that one of them has to be hit.
     pub fn surround(&self, places: &BTreeSet<usize>) -> bool {
-        // One number more stands for the triangles that are left out.
+        // One more number stands for the triangles that are left out.
         let none = self.odd.len() as u32;
         let mut groups = Groups::new(self.odd.len() + 1);
         let mut kept = vec![false; self.odd.len()];
@@ -141,7 +143,7 @@ impl Seams {
     }
 }
 
-/// Adds conditions to `sum` until its first term is that of none.
+/// Adds conditions to `sum` until no condition starts with its first term.
 fn reduced(mut sum: BTreeSet<u32>, solved: &BTreeMap<u32, BTreeSet<u32>>) -> BTreeSet<u32> {
     while let Some(condition) = sum.first().and_then(|first| solved.get(first)) {
         condition.iter().for_each(|&term| toggle(&mut sum, term));
@@ -155,15 +157,16 @@ fn toggle(sum: &mut BTreeSet<u32>, term: u32) {
     }
 }
 
-/// Distance of the ray from an edge, as the ray sees it.
+/// Distance of the ray from an edge, seen along the ray.
 fn distance(p: DVec2, q: DVec2) -> f64 {
     let along = q - p;
     let share = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    // Corners that the ray sees at one place are an edge without a direction.
+    // Corners that coincide seen along the ray are an edge without a direction.
     if share.is_nan() { p.length() } else { (p + along * share).length() }
 }
 
-/// Returns true if the half line from the ray along x crosses the edge. The same for either order of the ends.
+/// Returns true if the half line from the ray along x crosses the edge. The result is the same for either order of the
+/// ends.
 fn is_crossed(p: DVec2, q: DVec2) -> bool {
     let (p_above, q_above) = (p.y >= 0.0, q.y >= 0.0);
     p_above != q_above && (if q_above { edge(p, q) } else { edge(q, p) }) > 0.0

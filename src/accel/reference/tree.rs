@@ -1,4 +1,4 @@
-//! A plain binary hierarchy of `f64` boxes, split at the median.
+//! Binary hierarchy of `f64` boxes, split at the median.
 
 use std::ops::ControlFlow;
 
@@ -7,11 +7,11 @@ use glam::DVec3;
 use super::primitive::{Form, Primitive};
 use super::{Budget, Ray64};
 
-/// Primitives in a leaf, at most.
+/// Largest number of primitives in a leaf.
 const LEAF: usize = 4;
 
-/// How much a box grows for rays that want exactly what `f64` finds, in units of `f64::EPSILON` and of the box's
-/// farthest coordinate from the ray's origin. The primitives' own tests move a corner by at most 3 such units
+/// Growth of boxes for rays that need exactly the hits of the `f64` tests, in units of `f64::EPSILON` and of the box's
+/// farthest coordinate from the ray's origin. The tests of primitives move a corner by at most 3 such units
 /// (difference, product, difference), the slab test by 2.
 pub(super) const EXACT: f64 = 8.0;
 
@@ -29,7 +29,7 @@ impl Box64 {
         Self { lo: self.lo.min(o.lo), hi: self.hi.max(o.hi) }
     }
 
-    /// The box of a primitive; `None` for planes, which no box holds.
+    /// Returns the box of a primitive; `None` for planes.
     fn of(primitive: &Primitive) -> Option<Self> {
         match primitive.form {
             Form::Triangle([a, b, c]) => Some(Self { lo: a.min(b).min(c), hi: a.max(b).max(c) }),
@@ -41,7 +41,7 @@ impl Box64 {
         }
     }
 
-    /// Where `ray` enters this box, grown by `slack`, at a parameter up to `far`.
+    /// Returns the parameter at which `ray` enters this box, grown by `slack`, if it is at most `far`.
     fn entry(&self, ray: &Ray64, slack: f64, far: f64) -> Option<f64> {
         let (lo, hi) = (self.lo - ray.origin, self.hi - ray.origin);
         let growth = DVec3::splat(slack * f64::EPSILON * lo.abs().max(hi.abs()).max_element());
@@ -64,7 +64,7 @@ impl Box64 {
 
 #[derive(Clone, Copy, Debug)]
 enum Content {
-    /// Two nodes.
+    /// Indices of two nodes.
     Inner([usize; 2]),
     /// A range of `order`.
     Leaf { first: usize, count: usize },
@@ -76,18 +76,18 @@ struct Node {
     content: Content,
 }
 
-/// The hierarchy over a list of primitives; those no box holds stand beside it.
+/// Hierarchy over a list of primitives. Planes are in a separate list, since no box holds them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
-    /// Places in the list of primitives.
+    /// Indices in the list of primitives.
     order: Vec<usize>,
     unbounded: Vec<usize>,
 }
 
 impl Tree {
-    /// The most bytes that a build takes for each primitive: its box while it is sorted, its place in `order` and, as
-    /// halving fills leaves at least half, a node; all in lists that grow by doubling.
+    /// Largest number of bytes that a build takes for each primitive: its box while it is sorted, its index in `order`
+    /// and a node (halving fills leaves at least half). All lists grow by doubling.
     pub const BYTES_EACH: usize = 2 * (size_of::<(usize, Box64)>() + size_of::<usize>() + size_of::<Node>());
 
     pub fn build(primitives: &[Primitive]) -> Self {
@@ -131,8 +131,8 @@ impl Tree {
         node
     }
 
-    /// Shows `visit` the place of every primitive whose box, grown by `slack`, the ray enters, nearer boxes first.
-    /// `visit` gives back the parameter beyond which nothing interests it any more, or breaks off. So does the walk where
+    /// Calls `visit` with the index of every primitive whose box, grown by `slack`, the ray enters, nearer boxes first.
+    /// `visit` returns the parameter beyond which it needs no primitives, or breaks off. The traversal also ends if
     /// `budget` is spent.
     pub fn walk(
         &self,
@@ -179,7 +179,7 @@ impl Tree {
         }
     }
 
-    /// Inner nodes, leaves, and levels of inner nodes.
+    /// Numbers of inner nodes, leaves, and levels of inner nodes.
     pub fn shape(&self) -> (usize, usize, usize) {
         let leaves = self.nodes.iter().filter(|n| matches!(n.content, Content::Leaf { .. })).count();
         (self.nodes.len() - leaves, leaves, if self.nodes.is_empty() { 0 } else { self.levels(0) })
@@ -192,7 +192,7 @@ impl Tree {
         }
     }
 
-    /// Bytes held.
+    /// Number of bytes held.
     pub fn bytes(&self) -> usize {
         self.nodes.len() * size_of::<Node>() + (self.order.len() + self.unbounded.len()) * size_of::<usize>()
     }

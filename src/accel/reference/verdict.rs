@@ -1,4 +1,4 @@
-//! Judging another path's answers, ray by ray.
+//! Verdicts on another path's answers, ray by ray.
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
@@ -10,119 +10,120 @@ use super::seams::Seams;
 use super::{Budget, Contact, Hit64, Margin, Ray64, Reference};
 use crate::geometry::{Hit, Ray};
 
-/// What is to be thought of an answer.
+/// Verdict on an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// Same primitive, `t` within its tolerance; or a miss on both sides.
+    /// Same primitive and `t` within its tolerance, or a miss on both sides.
     Agrees,
-    /// It differs, but the `f64` decision is nearer to flipping than `f32` can tell: `distance <= bound`.
+    /// Another answer, but the `f64` decision is closer to its opposite than `f32` can tell: `distance <= bound`.
     Undecidable(Cause, Margin),
-    /// It differs where `f32` had to know better.
+    /// Another answer that the errors of `f32` do not explain.
     Wrong(Fault),
 }
 
-/// Why an answer cannot be judged.
+/// Reason why an answer cannot be judged. Its margin has the given unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
-    /// The ray passes a silhouette too closely: a fold of joined triangles, or the outline of a sphere; in scene units.
+    /// The ray passes a silhouette too closely: a fold of joined triangles, or the outline of a sphere. In scene units.
     Edge,
-    /// Two hits are too close along the ray; in units of `t`.
+    /// Two hits are too close along the ray. In units of `t`.
     Tie,
-    /// A hit lies too close to `t_min` or `t_max`; in units of `t`.
+    /// A hit lies too close to `t_min` or `t_max`. In units of `t`.
     Interval,
-    /// `t` misses its tolerance, on a triangle so thin that rounding makes bad weights of its corners; in units of `t`.
+    /// `t` exceeds its tolerance on a triangle so thin that rounding gives bad weights of its corners. In units of `t`.
     Sliver,
-    /// The ray passes an edge too closely that is open, or where triangles meet without being joined: a rim, a slit, a
-    /// seam of corners that differ, a corner in the middle of an edge; in scene units.
+    /// The ray passes too closely an edge that is open, or at which triangles touch without being joined: a rim, a
+    /// slit, a seam of different corners, a corner in the middle of an edge. In scene units.
     Crack,
 }
 
-/// What is wrong with an answer.
+/// Fault of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fault {
-    /// Nothing reported, though something is surely there.
+    /// A miss, although the ray hits something for certain.
     MissedHit,
-    /// Something reported that is surely not there.
+    /// A hit on a primitive that the ray misses for certain.
     FalseHit,
-    /// Something reported, though something else is surely nearer.
+    /// A hit, although another primitive is nearer for certain.
     OtherPrimitive,
-    /// `t` off by more than its bound.
+    /// Error of `t` above its bound.
     TOutOfBounds,
-    /// `t` outside the ray's own interval.
+    /// `t` outside the ray's interval.
     OutsideInterval,
-    /// A surface passed through at an edge or corner, though its triangles are joined and surround the ray.
+    /// A miss at an edge or corner of triangles that are joined and surround the ray.
     Leak,
-    /// A ray meets the surface that it leaves, because its start lies on the wrong side. The arbiter is given the same
-    /// start and cannot see this fault, so that it comes from [`crate::trial::parity`], which made the ray.
+    /// A hit on the surface that the ray leaves, because its origin lies on the wrong side. The arbiter gets the same
+    /// origin and cannot see this fault. [`crate::trial::parity`], which makes such rays, reports it.
     SelfHit,
 }
 
 impl Contact {
-    /// Distance of `t` from the nearer end of the ray's interval, against its bound; 0 where `f32` has no such `t`.
+    /// Distance of `t` from the nearer end of the ray's interval, with its bound. The distance is 0 if `f32` has no
+    /// such `t`.
     fn interval(&self, ray: &Ray64) -> Margin {
         let distance = (self.t - ray.t_min).abs().min((ray.t_max - self.t).abs());
         Margin { distance: if self.t.abs() < LARGEST_T { distance } else { 0.0 }, bound: self.bound }
     }
 
-    /// Returns true if `f32` can only find it, if at all, within the ray's interval and before `end`.
+    /// Returns true if every `t` that `f32` may compute lies within the ray's interval and before `end`.
     fn is_sure_to_lie_before(&self, end: f64, ray: &Ray64) -> bool {
         let [first, last] = self.span;
         ray.t_min < first && last <= ray.t_max && last < end.min(LARGEST_T)
     }
 
-    /// Whether `f32` has to find it.
+    /// Returns true if `f32` must find the contact.
     fn is_certain(&self, ray: &Ray64) -> bool {
         self.inside && self.edge.is_decided() && ray.sees(self.t) && self.interval(ray).is_decided()
     }
 
-    /// Whether `f32` may find it.
+    /// Returns true if `f32` may find the contact.
     fn is_possible(&self, ray: &Ray64) -> bool {
         let beyond = !ray.sees(self.t) && self.interval(ray).is_decided();
         !self.is_beside() && !beyond
     }
 
-    /// Returns true if the line surely passes it by.
+    /// Returns true if the line passes outside the primitive for certain.
     fn is_beside(&self) -> bool {
         !self.inside && self.edge.is_decided()
     }
 
-    /// Whether it lies nearer than `o` beyond doubt.
+    /// Returns true if it is nearer than `o` for certain.
     fn is_surely_before(&self, o: &Self) -> bool {
         self.t + self.bound < o.t - o.bound
     }
 }
 
-/// `t` from which on `f32` may have none, with room for roundings.
+/// Largest `t` that `f32` can represent for certain.
 const LARGEST_T: f64 = f32::MAX as f64 * (1.0 - 1e-6);
 
-/// What there is to know of one ray: found once, and held against any number of answers.
+/// Contacts of one ray. They are computed once and compared with any number of answers.
 #[derive(Clone, Debug)]
 pub struct Examined<'a> {
     reference: &'a Reference,
     ray: Ray,
     wide: Ray64,
     contacts: Vec<Contact>,
-    /// Contacts on the ray's line, but beyond its interval.
+    /// Contacts on the ray's line outside its interval.
     beyond: Vec<Contact>,
     truth: Hit64,
-    /// Found only where an answer differs.
+    /// Computed only if an answer differs.
     seams: OnceCell<Seams>,
 }
 
 impl Examined<'_> {
-    /// The nearest hit in `f64`, or a miss.
+    /// Returns the nearest hit in `f64`, or a miss.
     #[must_use]
     pub fn truth(&self) -> &Hit64 {
         &self.truth
     }
 
-    /// Everything that `f32` may find, nearest first.
+    /// Returns all contacts that `f32` may find, nearest first.
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 
-    /// Judges the nearest hit that another path claims. Only primitives that were kept can be claimed.
+    /// Judges the nearest hit that another path reports. It must be on a primitive that the arbiter did not drop.
     #[must_use]
     pub fn judge(&self, claim: &Hit) -> Verdict {
         let Self { ray, wide, contacts, truth, .. } = self;
@@ -163,12 +164,12 @@ impl Examined<'_> {
                 Cause::Tie,
                 Margin { distance: (c.t - found.t).abs(), bound: c.bound + found.bound },
             ),
-            // The claim is certain and the truth no contact at all: the two halves of the arbiter disagree.
+            // The claim is certain, but the hit in `f64` is no contact: the two halves of the arbiter disagree.
             None => Verdict::Wrong(Fault::FalseHit),
         }
     }
 
-    /// Judges the claim that the ray is blocked, or is not.
+    /// Judges another path's answer on occlusion: true if it reports the ray as blocked.
     #[must_use]
     pub fn judge_occluded(&self, claim: bool) -> Verdict {
         if !claim {
@@ -197,15 +198,16 @@ impl Examined<'_> {
         }
     }
 
-    /// Returns true if joined triangles surround the ray that can only be met within its interval and before `end`.
+    /// Returns true if joined triangles surround the ray, all of which `f32` can only hit within the interval and
+    /// before `end`.
     fn is_surrounded(&self, end: f64) -> bool {
         let open = |c: &&Contact| !c.edge.is_decided() && c.is_sure_to_lie_before(end, &self.wide);
-        // Triangles that surround the ray have it in one of them.
+        // One of the triangles that surround the ray contains it.
         self.contacts.iter().filter(open).any(|c| c.inside)
             && self.seams().surround(&self.contacts.iter().filter(open).map(|c| c.place).collect::<BTreeSet<_>>())
     }
 
-    /// Why `f32` need not find `c`, or may.
+    /// Returns the reason why `f32` need not, or may, find `c`.
     fn doubt(&self, c: &Contact) -> Verdict {
         if c.edge.is_decided() {
             Verdict::Undecidable(Cause::Interval, c.interval(&self.wide))
@@ -225,13 +227,13 @@ impl Examined<'_> {
 }
 
 impl Reference {
-    /// Finds out all that [`Reference::judge`] and [`Reference::judge_occluded`] need to know of `ray`.
+    /// Computes all that [`Reference::judge`] and [`Reference::judge_occluded`] need for `ray`.
     #[must_use]
     pub fn examine(&self, ray: &Ray) -> Examined<'_> {
         self.look(ray, &mut Budget::unlimited())
     }
 
-    /// The same as [`Reference::examine`]; `None` where `budget` did not last for it.
+    /// Computes the same as [`Reference::examine`]; `None` if `budget` was spent before.
     #[must_use]
     pub fn examine_within(&self, ray: &Ray, budget: &mut Budget) -> Option<Examined<'_>> {
         let examined = self.look(ray, budget);
@@ -245,19 +247,20 @@ impl Reference {
         Examined { reference: self, ray: *ray, wide, contacts, beyond, truth, seams: OnceCell::new() }
     }
 
-    /// Judges the nearest hit that another path claims for `ray`. Only primitives that were kept can be claimed.
+    /// Judges the nearest hit that another path reports for `ray`. It must be on a primitive that the arbiter did not
+    /// drop.
     #[must_use]
     pub fn judge(&self, ray: &Ray, claim: &Hit) -> Verdict {
         self.examine(ray).judge(claim)
     }
 
-    /// Judges the claim that `ray` is blocked, or is not.
+    /// Judges another path's answer on the occlusion of `ray`: true if it reports the ray as blocked.
     #[must_use]
     pub fn judge_occluded(&self, ray: &Ray, claim: bool) -> Verdict {
         self.examine(ray).judge_occluded(claim)
     }
 
-    /// Everything that `f32` may find along `ray`, nearest first.
+    /// Returns all contacts along `ray` that `f32` may find, nearest first.
     #[must_use]
     pub fn contacts(&self, ray: &Ray64) -> Vec<Contact> {
         let mut found = self.line_contacts(ray, &mut Budget::unlimited());
@@ -265,14 +268,14 @@ impl Reference {
         found
     }
 
-    /// Everything that `f32` may find along the whole line of `ray`, nearest first, while `budget` lasts.
+    /// Returns all contacts along the whole line of `ray`, nearest first, until `budget` is spent.
     fn line_contacts(&self, ray: &Ray64, budget: &mut Budget) -> Vec<Contact> {
         let mut found = Vec::new();
         if !ray.is_usable() {
             return found;
         }
         let probe = Probe::new(ray);
-        // Boxes are entered over the whole line: a hit just outside the interval may round into it.
+        // Boxes are tested against the whole line, since a hit just outside the interval may be rounded into it.
         let line = Ray64 { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
         let slack = 4.0 * SLIP / f64::EPSILON;
         self.tree.walk(&line, slack, budget, |place, budget| {

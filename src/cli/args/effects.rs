@@ -5,12 +5,12 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use crate::choice::Choice as _;
 use crate::effects::Effect;
 
-/// What was typed about effects.
+/// Arguments on effects, as typed.
 #[derive(Debug, Default)]
 pub(in crate::cli) struct EffectArgs {
-    /// `auto`, `all`, or names with commas between.
+    /// `auto`, `all`, or names separated by commas.
     pub effects: Option<String>,
-    /// Those with a `--no-` before them.
+    /// Effects named by `--no-EFFECT`.
     pub no: Vec<Effect>,
 }
 
@@ -40,7 +40,7 @@ impl Args for EffectArgs {
                 "What the scene calls for, the same by code that knows everything, or these alone [default: auto]",
             );
         Effect::ALL.iter().fold(command.arg(choice), |command, effect| {
-            // The parser keeps names for ever.
+            // The parser keeps names for the program's lifetime.
             let name: &'static str = flag(*effect).leak();
             let flag = Arg::new(name).long(name).action(ArgAction::SetTrue);
             command.arg(flag.help(effect.help()).help_heading(HEADING))

@@ -1,10 +1,10 @@
-//! Numbers within their ranges.
+//! Parsers of numbers with ranges.
 
 fn parsed<T: std::str::FromStr>(text: &str) -> Result<T, String> {
     text.trim().parse().map_err(|_| String::from("not a number"))
 }
 
-/// A number, or a fraction of two.
+/// Parses a number, or a fraction of two.
 fn number(text: &str) -> Result<f64, String> {
     match text.split_once('/') {
         Some((above, below)) => Ok(parsed::<f64>(above)? / parsed::<f64>(below)?),
@@ -12,12 +12,12 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// [`number`], rounded once.
+/// Parses a [`number`], rounded once.
 fn number32(text: &str) -> Result<f32, String> {
     if text.contains('/') { Ok(number(text)? as f32) } else { parsed(text) }
 }
 
-/// A difference of a channel.
+/// Parses a difference of a channel.
 pub(in crate::cli) fn bound(text: &str) -> Result<f64, String> {
     let value = number(text)?;
     if value > 0.0 && value.is_finite() {

@@ -1,4 +1,4 @@
-//! Formulas of the light transport that a command line may choose.
+//! Arguments that choose formulas of light transport.
 
 use clap::Args;
 
@@ -7,7 +7,7 @@ use crate::cli::choice::{about, about_with, levels};
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::ShadowRule;
 
-/// Options of the commands that make a picture or look into one.
+/// Options of `render` and `pixel`.
 #[derive(Clone, Copy, Debug, Args)]
 pub(in crate::cli) struct OpticsArgs {
     #[arg(long, help = about::<FresnelModel>(), value_parser = levels::<FresnelModel>(), help_heading = "Light")]

@@ -1,4 +1,4 @@
-//! Settings of the scene that a command line may replace.
+//! Arguments that replace settings of the scene.
 
 use clap::{Args, value_parser};
 
@@ -18,7 +18,7 @@ pub(in crate::cli) struct SettingsArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024), help_heading = "Picture")]
     pub samples: Option<u32>,
 
-    /// How often a ray may reflect or refract
+    /// Largest number of reflections and refractions of a ray
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=4096), help_heading = "Light")]
     pub depth: Option<u32>,
 

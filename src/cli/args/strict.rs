@@ -1,8 +1,8 @@
-//! The option by which a warning is an error.
+//! The option that makes warnings errors.
 
 use clap::Args;
 
-/// For every command that reports warnings.
+/// Option of every command that reports warnings.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct StrictArg {
     /// Make every warning, and everything dropped or clamped, an error

@@ -1,4 +1,4 @@
-//! `vitrum bench`, as typed.
+//! Arguments of `vitrum bench`.
 
 use std::path::PathBuf;
 
@@ -46,7 +46,7 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
 
-    /// How the native hierarchy is built; Embree's is MEDIUM [default: default]
+    /// Build quality of the native hierarchy; Embree's is MEDIUM [default: default]
     #[arg(long, value_parser = levels::<BuildQuality>())]
     pub bvh: Option<BuildQuality>,
 
@@ -54,11 +54,11 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
 
-    /// How often each contender runs
+    /// Runs of each contender
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=10_000), default_value_t = 11)]
     pub rounds: u32,
 
-    /// How often each hierarchy is built
+    /// Builds of each hierarchy
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 3)]
     pub builds: u32,
 

@@ -19,7 +19,7 @@ use crate::trial::frames::FramePlan;
 use crate::trial::{self, Outcome, Subject, Watch};
 use crate::{Error, Result};
 
-/// Loads, checks, times and reports.
+/// Loads the scenes, compares the contenders, times them and reports.
 pub(super) fn run(job: &Bench) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -74,7 +74,7 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
     Ok(Verdict::Done)
 }
 
-/// What one file holds.
+/// Reads the shapes of one file.
 fn subject(path: &Path, job: &Bench) -> Result<Subject> {
     let Loaded { scene, .. } = load::scene(path, &LoadOptions::default())?;
     if let Some(page) = &job.html {
@@ -110,7 +110,7 @@ fn frames(job: &Bench, machine: Machine, observer: &Observer) -> Result<Verdict>
     Ok(Verdict::Done)
 }
 
-/// A landscape of waves in about so many triangles: two for each square of a square grid.
+/// Creates a landscape of waves with about `triangles` triangles: two for each square of a square grid.
 fn landscape(triangles: u32) -> Subject {
     let edge = (f64::from(triangles) / 2.0).sqrt().round() as u32;
     let wave = |amplitude, wavelength, direction| Wave { amplitude, wavelength, direction, phase: 40.0 };

@@ -1,4 +1,4 @@
-//! `vitrum bench`, checked.
+//! Validated options of `vitrum bench`.
 
 use std::path::PathBuf;
 
@@ -8,14 +8,14 @@ use crate::image::Destination;
 use crate::trial::{BenchPlan, Picture, RayKind};
 use crate::{Error, Result};
 
-/// A trial of the back ends.
+/// Options of a trial of the back ends.
 #[derive(Debug)]
 pub(in crate::cli) struct Bench {
     pub scenes: Vec<PathBuf>,
     pub plan: BenchPlan,
-    /// Whole pictures instead of rays.
+    /// True to time whole pictures instead of rays.
     pub frames: bool,
-    /// Triangles of one landscape, again and again, instead of scenes.
+    /// Numbers of triangles of a landscape to use instead of scenes.
     pub sweep: Vec<u32>,
     /// Picture of the sweep to write.
     pub plot: Option<Destination>,

@@ -1,4 +1,4 @@
-//! `vitrum compare`, as typed.
+//! Arguments of `vitrum compare`.
 
 use std::path::PathBuf;
 

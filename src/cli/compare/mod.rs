@@ -13,10 +13,10 @@ use crate::Result;
 use crate::image::{self, Comparison, Encoding, Film, ReadOptions};
 use crate::render::Observer;
 
-/// What a pixel may be off by before it is counted, where no tolerance is given: a step of an 8-bit channel.
+/// Difference of a channel above which a pixel is counted, if no tolerance is given: a step of an 8-bit channel.
 const STEP: f64 = 1.0 / 255.0;
 
-/// The result, as JSON has it.
+/// Result in the form of the JSON output.
 #[derive(serde::Serialize)]
 struct Report<'a> {
     a: &'a Path,
@@ -25,7 +25,7 @@ struct Report<'a> {
     comparison: &'a Comparison,
     share_above: f64,
     allowed_share: f64,
-    /// None where no tolerance was given.
+    /// `None` without a tolerance.
     passed: Option<bool>,
 }
 
@@ -72,7 +72,7 @@ fn write_difference(a: &Film, b: &Film, comparison: &Comparison, diff: &Differen
 fn text(c: &Comparison, allowed: f64, passed: Option<bool>) -> String {
     let mut s = String::new();
     let mut line = |name: &str, value: String| {
-        // A String takes whatever is written to it.
+        // Writing to a string cannot fail.
         let _ = writeln!(s, "{name:<10} {value}");
     };
     line("size", format!("{} x {}", c.width, c.height));

@@ -1,4 +1,4 @@
-//! `vitrum compare`, checked.
+//! Validated options of `vitrum compare`.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,14 @@ use crate::cli::options::{format_of, refuse_input};
 use crate::image::{Destination, Format};
 use crate::{Error, Result};
 
-/// Two pictures to be compared.
+/// Two pictures to compare.
 #[derive(Debug)]
 pub(in crate::cli) struct Compare {
     pub a: PathBuf,
     pub b: PathBuf,
-    /// Where given, exceeding it is a negative result.
+    /// Largest difference that passes, if given.
     pub tolerance: Option<f64>,
-    /// Share of pixels that may exceed it.
+    /// Share of pixels that may exceed the tolerance.
     pub allow_share: f64,
     pub diff: Option<Difference>,
     pub linear: bool,
@@ -22,12 +22,12 @@ pub(in crate::cli) struct Compare {
     pub quiet: bool,
 }
 
-/// A picture of the differences to be written.
+/// Picture of the differences to write.
 #[derive(Debug)]
 pub(in crate::cli) struct Difference {
     pub output: Destination,
     pub format: Format,
-    /// Factor on the differences; none makes the largest 1.
+    /// Factor on the differences; `None` scales the largest to 1.
     pub scale: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! The arguments of `vitrum explain`.
+//! Arguments of `vitrum explain`.
 
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub(in crate::cli) struct ExplainArgs {
     #[arg(long)]
     pub measure: bool,
 
-    /// How often each is rendered
+    /// Number of timed renders for each effect
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1000), default_value_t = 5, requires = "measure")]
     pub rounds: u32,
 

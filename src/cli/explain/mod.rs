@@ -18,13 +18,13 @@ use crate::measure::table::grouped;
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
 
-/// Touching pairs that the text lists.
+/// Largest number of touching pairs that the text lists.
 const MOST_PAIRS: usize = 12;
 
 /// Widest line of the tables.
 const COLUMNS: usize = 80;
 
-/// Loads, resolves, measures where asked, and tells.
+/// Loads the scene, resolves its effects, measures them if requested, and reports.
 pub(super) fn run(job: &Explain) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -49,24 +49,24 @@ pub(super) fn run(job: &Explain) -> Result<Verdict> {
     Ok(Verdict::Done)
 }
 
-/// What switching each effect off did.
+/// Changes of the picture when single effects are switched off.
 struct Measured {
-    /// By effect that is on.
+    /// Changes by effect that is on.
     effects: Vec<(Effect, Worth)>,
     /// Rays of the whole picture.
     rays: u64,
 }
 
-/// What an effect is worth.
+/// Change of the picture when one effect is switched off.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 struct Worth {
-    /// Time of the whole picture over that without it: median, 10th and 90th percentile over the rounds.
+    /// Time of the whole picture relative to that without the effect: median, 10th and 90th percentile over the rounds.
     time: [f64; 3],
-    /// Root of the mean square of what the picture's channels change by, in linear light.
+    /// Root of the mean squared change of the picture's channels, in linear light.
     rmse: f64,
-    /// Pixels that change at all.
+    /// Number of pixels that change.
     pixels: u64,
-    /// Rays of all kinds that it takes.
+    /// Number of rays of all kinds that the effect adds.
     rays: i64,
 }
 
@@ -80,7 +80,7 @@ impl Measured {
             .map(|effects| Options { effects, ..job.options.clone() })
             .collect();
         let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
-        // One round more than is timed, in which nothing is warm yet.
+        // One more round than is timed, as a warm-up.
         let work = pixels * (rounds as u64 + 1) * choices.len() as u64;
         let mut seconds = vec![Vec::new(); choices.len()];
         let mut outcomes: Vec<Outcome> = Vec::new();
@@ -112,7 +112,7 @@ impl Measured {
     }
 }
 
-/// The root of the mean square difference, and the pixels that differ.
+/// Root of the mean squared difference, and the number of pixels that differ.
 fn change(a: &Film, b: &Film) -> (f64, u64) {
     let (mut sum, mut touched) = (0.0, 0);
     for (a, b) in a.pixels.iter().zip(&b.pixels) {
@@ -122,18 +122,18 @@ fn change(a: &Film, b: &Film) -> (f64, u64) {
     ((sum / (3.0 * a.pixels.len().max(1) as f64)).sqrt(), touched)
 }
 
-/// All that is told. Its JSON form is this, with the same names.
+/// Results in the form of the JSON output.
 #[derive(serde::Serialize)]
 struct Explained<'a> {
     scene: String,
     #[serde(flatten)]
     warnings: &'a Warnings,
     effects: Vec<Row>,
-    /// How many media a ray can be in at once.
+    /// Largest number of media that contain a ray at the same time.
     stack: String,
-    /// Objects that no ray can meet, and what hides them.
+    /// Objects that no ray can hit, and the objects that hide them.
     hidden: Vec<[String; 2]>,
-    /// Lights that light nothing that is seen, and why.
+    /// Lights that reach nothing visible, with the reasons.
     useless_lights: Vec<String>,
     /// Objects that touch.
     touching: Vec<Touching>,
@@ -154,9 +154,9 @@ struct Row {
 
 #[derive(serde::Serialize)]
 struct Touching {
-    /// Twice the same for duplicate faces within one.
+    /// Two objects, or the same one twice for duplicate faces.
     objects: [String; 2],
-    /// Pairs of faces that coincide.
+    /// Number of pairs of coincident faces.
     faces: u32,
     /// Points at which a sphere touches.
     points: u32,
@@ -165,7 +165,7 @@ struct Touching {
 #[derive(serde::Serialize)]
 struct Shared {
     surface: &'static str,
-    /// Whether they have a colour of their own.
+    /// True if they have a colour of their own.
     base: bool,
     objects: Vec<String>,
 }
@@ -175,9 +175,9 @@ struct Budget {
     /// Levels of secondary rays.
     depth: u32,
     depth_because: String,
-    /// At most, of all kinds.
+    /// Upper bound over all kinds of rays.
     most_per_pixel: f64,
-    /// In the mean over the picture, where it was rendered.
+    /// Mean over the picture, if it was rendered.
     #[serde(skip_serializing_if = "Option::is_none")]
     mean_per_pixel: Option<f64>,
 }
@@ -294,7 +294,7 @@ impl Touching {
 }
 
 impl Shared {
-    /// The first few of them by name.
+    /// Text with the first few by name.
     fn text(&self) -> String {
         const NAMED: usize = 4;
         let kind = match (self.surface, self.base) {
@@ -311,7 +311,7 @@ impl Shared {
     }
 }
 
-/// A number of rays; large ones to three digits.
+/// Formats a number of rays, large ones with three digits.
 fn count(n: f64) -> String {
     if n < 1e9 { grouped(n as u64) } else { format!("{n:.2e}") }
 }

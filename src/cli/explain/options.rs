@@ -1,4 +1,4 @@
-//! What is to be explained.
+//! Validated options of `vitrum explain`.
 
 use std::path::PathBuf;
 
@@ -6,15 +6,15 @@ use crate::cli::args::ExplainArgs;
 use crate::cli::options::{SmallPicture, effects};
 use crate::{Error, Result, render};
 
-/// A scene to be explained.
+/// A scene to explain.
 #[derive(Debug)]
 pub(in crate::cli) struct Explain {
     pub scene: PathBuf,
-    /// Rounds of measurement; none for no measurement.
+    /// Rounds of measurement; `None` for no measurement.
     pub rounds: Option<usize>,
     pub picture: SmallPicture,
     pub options: render::Options,
-    /// Warnings are errors.
+    /// True if warnings are errors.
     pub strict: bool,
     pub json: bool,
     pub quiet: bool,

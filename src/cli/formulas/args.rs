@@ -1,4 +1,4 @@
-//! `vitrum price --formulas`, as typed.
+//! Arguments of `vitrum price --formulas`.
 
 use clap::{Args, value_parser};
 
@@ -13,7 +13,7 @@ pub(in crate::cli) struct FormulasArgs {
     #[arg(long)]
     pub formulas: bool,
 
-    /// Which formulas [default: all]
+    /// Groups of formulas [default: all]
     #[arg(long, value_parser = levels::<Kind>(), value_name = "KIND,...", value_delimiter = ',', requires = "formulas")]
     pub of: Vec<Kind>,
 

@@ -13,14 +13,14 @@ use crate::render::Observer;
 use crate::simd::level;
 use crate::study::formulas;
 
-/// The result, as JSON has it.
+/// Result in the form of the JSON output.
 #[derive(serde::Serialize)]
 struct Report {
     version: &'static str,
     simd: &'static str,
     fused: bool,
     cpu: String,
-    /// Rays drawn of each range.
+    /// Number of rays drawn from each range.
     count: usize,
     formulas: Vec<formulas::Formula>,
 }

@@ -1,11 +1,11 @@
-//! `vitrum price --formulas`, checked.
+//! Validated options of `vitrum price --formulas`.
 
 use crate::cli::args::PriceArgs;
 use crate::cli::options::choices::no_hierarchy;
 use crate::study::formulas::{Kind, Plan};
 use crate::{Error, Result};
 
-/// Formulas to be timed and judged.
+/// Formulas to time and judge.
 #[derive(Debug)]
 pub(in crate::cli) struct Formulas {
     pub plan: Plan,

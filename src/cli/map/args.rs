@@ -1,4 +1,4 @@
-//! The arguments of `vitrum map`.
+//! Arguments of `vitrum map`.
 
 use std::path::PathBuf;
 

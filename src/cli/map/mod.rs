@@ -18,7 +18,7 @@ use crate::render::Observer;
 use crate::scene::{Camera, Projection};
 use crate::{Error, Result};
 
-/// Loads, looks around, and writes.
+/// Loads the scene, captures the map and writes it.
 pub(super) fn run(job: &Map) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;

@@ -11,7 +11,7 @@ use crate::image::{Destination, Format};
 use crate::scene::MapKind;
 use crate::{Error, Result, render};
 
-/// A map to be written.
+/// A map to write.
 #[derive(Debug)]
 pub(in crate::cli) struct Map {
     pub scene: PathBuf,

@@ -1,12 +1,12 @@
-//! Choices that several commands have, checked.
+//! Validation of choices that several commands have.
 
 use crate::optics::{Oliveira, RefractionModel};
 use crate::{Error, Result};
 
-/// The refraction formula, with its constant.
+/// Returns the refraction formula with its constant.
 ///
 /// # Errors
-/// Usage, where a constant is given for another formula.
+/// Usage if a constant is given for another formula.
 pub(in crate::cli) fn refraction(formula: Option<RefractionModel>, c: Option<f64>) -> Result<RefractionModel> {
     match (formula.unwrap_or_default(), c) {
         (formula, None) => Ok(formula),
@@ -17,7 +17,7 @@ pub(in crate::cli) fn refraction(formula: Option<RefractionModel>, c: Option<f64
     }
 }
 
-/// Why `--bvh` is refused for those who "have" or "has" none.
+/// Error of `--bvh` for renderers that have no hierarchy; `who_have` names them and ends in "have" or "has".
 pub(in crate::cli) fn no_hierarchy(who_have: &str) -> Error {
     Error::Usage(format!("--bvh: {who_have} no hierarchy to build; leave it out"))
 }

@@ -1,14 +1,14 @@
-//! Which effects are simulated, checked.
+//! Validation of the arguments on effects.
 
 use super::super::args::EffectArgs;
 use crate::effects::{Effect, EffectSet, Options, Pipeline};
 use crate::load::hint;
 use crate::{Error, Result};
 
-/// What was typed, as options.
+/// Converts the arguments to options.
 ///
 /// # Errors
-/// Usage, where a name is none or two wishes contradict each other.
+/// Usage if a name is unknown or two arguments contradict each other.
 pub(in crate::cli) fn effects(args: &EffectArgs) -> Result<Options> {
     let mut without: EffectSet = args.no.iter().copied().collect();
     let pipeline = match args.effects.as_deref() {
@@ -38,8 +38,10 @@ fn named(name: &str) -> Result<Effect> {
     })
 }
 
+/// Refuses an effect that is left out and requested by another flag.
+///
 /// # Errors
-/// Usage, where an effect is left out and asked for by another flag.
+/// Usage if that is so.
 pub(in crate::cli) fn refuse_contradiction(options: &Options, effect: Effect, asked: Option<&str>) -> Result<()> {
     match asked {
         Some(flag) if options.without.has(effect) => Err(Error::Usage(format!(

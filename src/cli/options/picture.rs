@@ -1,4 +1,4 @@
-//! What becomes of the settings that a scene gives its picture.
+//! Settings of the scene's picture that the command line replaces.
 
 use clap::{Args, value_parser};
 
@@ -7,7 +7,7 @@ use crate::image::MOST_PIXELS;
 use crate::scene::{Settings, ShadowRule};
 use crate::{Error, Result};
 
-/// Settings of the scene that the command line replaces.
+/// Settings given on the command line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::cli) struct Overrides {
     width: Option<u32>,
@@ -20,16 +20,16 @@ pub(in crate::cli) struct Overrides {
 }
 
 impl Overrides {
-    /// As typed.
+    /// Converts the arguments.
     pub fn new(args: SettingsArgs, shadows: Option<ShadowRule>) -> Self {
         let SettingsArgs { width, height, samples, depth, cutoff, wavelengths } = args;
         Self { width, height, samples, depth, cutoff, shadows, wavelengths }
     }
 
-    /// Replaces what was given.
+    /// Replaces the settings that were given.
     ///
     /// # Errors
-    /// A limit, where the picture is then too large.
+    /// A limit if the picture is then too large.
     pub fn apply(&self, settings: &mut Settings) -> Result<()> {
         settings.width = self.width.unwrap_or(settings.width);
         settings.height = self.height.unwrap_or(settings.height);
@@ -42,7 +42,7 @@ impl Overrides {
     }
 }
 
-/// The size of a picture that is traced in `f64`, too.
+/// Size of a picture that is traced in `f64` as well.
 #[derive(Clone, Copy, Debug, Args)]
 pub(in crate::cli) struct SmallPicture {
     /// Columns of the picture [default: the scene's, at most 320]
@@ -55,13 +55,14 @@ pub(in crate::cli) struct SmallPicture {
 }
 
 impl SmallPicture {
-    /// What it is at most where nothing else is asked for.
+    /// Largest size that is chosen by default.
     const MOST: [u32; 2] = [320, 240];
 
-    /// Makes the picture of `settings` as large as asked for, or else small, of the same shape as far as pixels allow.
+    /// Sets the size of the picture: the requested one, or a small one with the same aspect ratio as far as whole
+    /// pixels allow.
     ///
     /// # Errors
-    /// A limit, where it is too large.
+    /// A limit if it is too large.
     pub fn fit(self, settings: &mut Settings) -> Result<()> {
         let (width, height) = (f64::from(settings.width), f64::from(settings.height));
         let scale = match (self.width, self.height) {
@@ -76,8 +77,10 @@ impl SmallPicture {
     }
 }
 
+/// Checks the size of the picture.
+///
 /// # Errors
-/// A limit, where the picture is too large.
+/// A limit if it is too large.
 fn refuse_large(settings: &Settings) -> Result<()> {
     let (width, height) = (settings.width, settings.height);
     if u64::from(width) * u64::from(height) > MOST_PIXELS {

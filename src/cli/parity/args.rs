@@ -1,4 +1,4 @@
-//! `vitrum parity`, as typed.
+//! Arguments of `vitrum parity`.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! The back ends that are compared: native, and Embree in both modes where it is there.
+//! Back ends to compare: native, and both modes of Embree if it is available.
 
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions, BuildQuality};
@@ -12,12 +12,12 @@ pub(super) struct Contenders {
     /// Quality of the hierarchies.
     pub bvh: BuildQuality,
     accels: Vec<Accel>,
-    /// The reason why Embree is not among them.
+    /// Reason why Embree is left out, if it is.
     pub left_out: Option<String>,
 }
 
 impl Contenders {
-    /// Builds all of them over the shapes of `scene`.
+    /// Builds all accelerators over the shapes of `scene`.
     pub fn build(scene: &Scene, bvh: BuildQuality, threads: usize) -> Result<Self> {
         let build = |backend| Accel::build(backend, &scene.geometry, BuildOptions { quality: bvh, threads });
         let mut accels = vec![build(Backend::Native)?];
@@ -26,17 +26,17 @@ impl Contenders {
         Ok(Self { bvh, accels, left_out })
     }
 
-    /// Their names, in order.
+    /// Names, in order.
     pub fn names(&self) -> Vec<&'static str> {
         self.accels.iter().map(|accel| accel.backend().mode_name()).collect()
     }
 
-    /// The answers of each to a set of rays.
+    /// Answers of each contender to a set of rays.
     pub fn ask(&self, set: &Set) -> Vec<Answers> {
         self.accels.iter().map(|accel| ask(accel, &set.rays, set.coherence)).collect()
     }
 
-    /// The pictures over each.
+    /// Pictures by each contender.
     ///
     /// # Errors
     /// As [`render`].
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn every_hierarchy_is_built_as_was_asked() {
-        // Large enough that each quality makes another tree of it.
+        // Large enough that each quality builds a different tree.
         let ball = Geometry { shape: Shape::Mesh(shapes::sphere(40)), mask: GeometryMask::OPAQUE };
         let scene = Scene { geometry: vec![ball], ..Scene::default() };
         let built = BuildQuality::ALL.map(|bvh| Contenders::build(&scene, bvh, 1).unwrap());
@@ -65,7 +65,7 @@ mod tests {
         assert!(nodes[0] != nodes[1] && nodes[1] != nodes[2] && nodes[2] != nodes[0], "{nodes:?}");
         match Backend::Embree.availability() {
             Ok(()) => {
-                // The spatial splits of its fast mode show; LOW and MEDIUM take as many bytes.
+                // The spatial splits of its fast mode show in the bytes; LOW and MEDIUM take the same number.
                 let bytes = [1, 2].map(|i| built[i].accels[2].build_stats().bytes);
                 assert!(bytes[0] < bytes[1], "{bytes:?}");
             }

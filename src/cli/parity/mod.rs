@@ -24,7 +24,8 @@ use pixels::Pixels;
 use report::{Facts, Report};
 use single::Single;
 
-/// Loads, asks every contender, judges and reports. Negative where the native path is wrong anywhere.
+/// Loads the scene, traces with every contender, judges and reports. The result is negative if the native path is wrong
+/// anywhere.
 pub(super) fn run(job: &Parity) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -32,7 +33,7 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     backend::start_threads(&options)?;
     let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
-    // The middle of a pixel alone, so that its value belongs to one ray.
+    // One ray through the middle of each pixel, so that its value belongs to one ray.
     scene.settings.samples = 1;
 
     // Twice: for the rays, and for the pictures.
@@ -86,7 +87,7 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     Ok(if report.passed() { Verdict::Done } else { Verdict::Negative })
 }
 
-/// Every contender's answers to one set, judged.
+/// Returns judged answers of every contender to one set.
 fn judged(reference: &Reference, contenders: &Contenders, set: &Set, observer: &Observer) -> Result<Vec<Records>> {
     let answers = contenders.ask(set);
     let done = |rays| {

@@ -1,4 +1,4 @@
-//! `vitrum parity`, checked.
+//! Validated options of `vitrum parity`.
 
 use std::path::PathBuf;
 
@@ -7,19 +7,19 @@ use crate::cli::args::ParityArgs;
 use crate::cli::options::SmallPicture;
 use crate::trial::shown::Ray;
 
-/// Paths to be compared ray by ray.
+/// Paths to compare ray by ray.
 #[derive(Debug)]
 pub(in crate::cli) struct Parity {
     pub scene: PathBuf,
-    /// Rays of each kind.
+    /// Number of rays of each kind.
     pub rays: usize,
-    /// The only ray, where one is asked for.
+    /// A single ray to send instead, if given.
     pub ray: Option<Ray>,
     pub picture: SmallPicture,
     pub bvh: BuildQuality,
-    /// 0 is one a processor.
+    /// Number of threads; 0 means one per processor.
     pub threads: usize,
-    /// Warnings are errors.
+    /// True if warnings are errors.
     pub strict: bool,
     pub json: bool,
     pub quiet: bool,

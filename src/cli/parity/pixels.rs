@@ -1,7 +1,8 @@
-//! The contenders' pictures, pixel by pixel against the one that the same shading makes of the arbiter's hits.
+//! Comparison of the contenders' pictures, pixel by pixel, with a picture that the same shading makes from the
+//! arbiter's hits.
 //!
-//! Shading is the same code in all of them, so that only what is hit, and where, can differ. Whether a difference is
-//! one of paths or of a ray at an edge, the `f64` renderer says.
+//! All of them share the shading code, so only hits can differ. The `f64` renderer tells if a difference is a fault of
+//! the path or due to a ray at an edge.
 
 use std::sync::atomic::Ordering;
 
@@ -12,26 +13,26 @@ use crate::render::Observer;
 use crate::render::reference::Prepared;
 use crate::{Error, Result};
 
-/// Most that a channel of a pixel may differ, in radiance.
+/// Largest difference of a channel that passes, in radiance.
 pub(super) const TOLERANCE: f64 = 5e-4;
 
-/// The few ulps of `f32` that a renderer in it may be off by at each surface.
+/// Error of an `f32` renderer at each surface, in ulps.
 pub(super) const ULPS: f64 = 8.0;
 
-/// One contender's picture against the arbiter's.
+/// Comparison of one contender's picture with the arbiter's.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pixels {
-    /// Pixels beyond the tolerance.
+    /// Number of pixels beyond the tolerance.
     pub differ: u64,
-    /// Those of them whose `f64` value moves as much when the camera ray moves by [`ULPS`]: edges for the most part.
+    /// Number of these whose `f64` value changes as much when the camera ray moves by [`ULPS`]. Most are at edges.
     pub edge: u64,
-    /// Those where it takes more, but no more than [`ULPS`] for each level of the path.
+    /// Number of these that need a larger movement, of at most [`ULPS`] for each level of the path.
     pub deep: u64,
-    /// The largest difference among those within the tolerance.
+    /// Largest difference within the tolerance.
     pub largest_within: f64,
-    /// The worst of the pixels that differ without excuse.
+    /// Worst of the pixels that differ without such an excuse.
     pub worst: Option<Worst>,
-    /// Pixels beyond the tolerance from the first contender's.
+    /// Number of pixels beyond the tolerance from the first contender's.
     pub differs_from_first: u64,
 }
 
@@ -44,18 +45,18 @@ pub(super) struct Worst {
     pub y: u32,
     /// The contender's radiance.
     pub value: [f32; 3],
-    /// The one over the arbiter's hits.
+    /// Radiance from the arbiter's hits.
     pub reference: [f32; 3],
 }
 
 impl Pixels {
-    /// Pixels that differ without excuse.
+    /// Returns the number of pixels that differ without excuse.
     pub fn wrong(&self) -> u64 {
         self.differ - self.edge - self.deep
     }
 }
 
-/// Holds the contenders' `films` against `truth`, of the same size.
+/// Compares the contenders' `films` with `truth`, of the same size.
 ///
 /// # Errors
 /// `Interrupted`.
@@ -104,14 +105,14 @@ fn row(prepared: &Prepared, truth: &Film, films: &[Film], y: u32, observer: &Obs
     Ok(row)
 }
 
-/// As [`Prepared::ulps_until_moved`], up to [`ULPS`] for each level of the path.
+/// Returns [`Prepared::ulps_until_moved`], up to [`ULPS`] for each level of the path.
 fn ulps_until_moved(prepared: &Prepared, x: f64, y: f64) -> Option<f64> {
     let (origin, dir) = prepared.camera_ray(x, y);
     let levels = prepared.trace(origin, dir).rays.by_depth.len().max(1);
     prepared.ulps_until_moved(x, y, TOLERANCE, ULPS * levels as f64)
 }
 
-/// The largest difference of a channel; infinite where one is no number.
+/// Largest difference of a channel; infinite if one is NaN.
 fn difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     let off = |i: usize| (f64::from(a[i]) - f64::from(b[i])).abs();
     (0..3).map(off).fold(0.0, |worst: f64, off| if off.is_nan() { f64::INFINITY } else { worst.max(off) })
@@ -143,7 +144,7 @@ mod tests {
             materials: vec![Material::black("black")],
             media: vec![crate::scene::Medium::air()],
             environment: Environment::Constant(Rgb::ONE),
-            // The middle of the first column looks along the outline: it touches at 45 degrees.
+            // The middle of the first column is a tangent: the outline is at 45 degrees.
             camera: Camera {
                 eye: glam::Vec3::Z * 2.0_f32.sqrt(),
                 projection: crate::scene::Projection::Pinhole { vfov: 90.0 },

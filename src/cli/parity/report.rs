@@ -1,4 +1,4 @@
-//! What a parity run came to: one value, told as text or as JSON.
+//! Result of a parity run, written as text or as JSON.
 
 use std::fmt::Write as _;
 
@@ -15,7 +15,7 @@ use crate::simd::level;
 use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fault_name};
 use crate::trial::shown::{self, Ray};
 
-/// Everything a report is made from. `records` and `pixels` are in the order of the sets and the contenders.
+/// Inputs of a report. `records` and `pixels` are in the order of the sets and the contenders.
 pub(super) struct Facts<'a> {
     pub job: &'a Parity,
     pub scene: &'a Scene,
@@ -26,7 +26,7 @@ pub(super) struct Facts<'a> {
     pub pixels: &'a [Pixels],
 }
 
-/// The report. Its JSON form is this, with the same names.
+/// The report, in the form of the JSON output.
 #[derive(serde::Serialize)]
 pub(super) struct Report {
     version: &'static str,
@@ -37,17 +37,17 @@ pub(super) struct Report {
     triangles: u64,
     spheres: u64,
     planes: u64,
-    /// Rays asked for, of each kind.
+    /// Number of rays requested of each kind.
     rays: usize,
-    /// How the hierarchies were built.
+    /// Build quality of the hierarchies.
     bvh: &'static str,
     contenders: Vec<&'static str>,
     left_out: Vec<LeftOut>,
     rows: Vec<Row>,
     pictures: Vec<Picture>,
-    /// A few wrong answers of each row.
+    /// Some wrong answers of each row.
     examples: Vec<Example>,
-    /// Answers and pixels of the native path that are wrong.
+    /// Number of wrong answers and pixels of the native path.
     native_wrong: u64,
     passed: bool,
 }
@@ -58,7 +58,7 @@ struct LeftOut {
     why: String,
 }
 
-/// One contender's answers to one query about one set.
+/// Answers of one contender to one query about one set.
 #[derive(serde::Serialize)]
 struct Row {
     rays: &'static str,
@@ -67,10 +67,10 @@ struct Row {
     answers: u64,
     agree: u64,
     undecidable: Undecidable,
-    /// Hits at or beyond an end of the interval by no more than rounding; wrong where the contender is native.
+    /// Hits at or beyond an end of the interval by no more than rounding. They are wrong for the native path.
     beyond_end: u64,
     wrong: Faults,
-    /// Largest distance from flipping among the undecidable ones, in parts of its bound.
+    /// Largest margin among the undecidable answers, relative to its bound.
     largest_margin: f64,
     differs_from_native: u64,
     differs_undecidably: u64,
@@ -84,7 +84,7 @@ struct Undecidable {
     tie: u64,
     interval: u64,
     sliver: u64,
-    /// The ray passes an open edge or an unjoined seam.
+    /// Rays that pass an open edge or an unjoined seam.
     crack: u64,
 }
 
@@ -99,7 +99,7 @@ struct Faults {
     self_hit: u64,
 }
 
-/// One contender's picture.
+/// Picture by one contender.
 #[derive(serde::Serialize)]
 struct Picture {
     contender: &'static str,
@@ -107,9 +107,9 @@ struct Picture {
     height: u32,
     tolerance: f64,
     differ: u64,
-    /// Excused: the `f64` value moves as much with the camera ray moved by a few ulps of `f32`.
+    /// Excused pixels: the `f64` value changes as much with the camera ray moved by a few ulps of `f32`.
     edge: u64,
-    /// Excused: it does so with a few ulps for each level of the path.
+    /// Excused pixels that need a few ulps for each level of the path.
     deep: u64,
     wrong: u64,
     largest_within: f64,
@@ -117,27 +117,27 @@ struct Picture {
     worst: Option<Worst>,
 }
 
-/// A wrong answer. Infinite numbers are null.
+/// Wrong answer. Infinite numbers are null.
 #[derive(serde::Serialize)]
 struct Example {
     rays: &'static str,
     query: Query,
     contender: &'static str,
     fault: &'static str,
-    /// In world coordinates, as `dir`.
+    /// World coordinates, as `dir`.
     origin: [f64; 3],
     dir: [f64; 3],
     t_min: f32,
     t_max: f32,
     claim: Option<Met>,
     truth: Option<Met>,
-    /// The command that sends the ray again.
+    /// Command that sends the ray again.
     repeat: String,
     #[serde(skip)]
     ray: Ray,
 }
 
-/// A hit; under [`Query::Occluded`] a claim is only that there is one.
+/// A hit. Under [`Query::Occluded`] only its existence is reported.
 #[derive(serde::Serialize)]
 struct Met {
     t: f64,
@@ -202,17 +202,17 @@ impl Report {
         }
     }
 
-    /// Whether the native path is nowhere wrong.
+    /// Returns true if the native path is wrong nowhere.
     pub fn passed(&self) -> bool {
         self.passed
     }
 
-    /// As text of several lines of at most 80 columns (names of files apart), the last one unended.
+    /// Text of several lines of at most 80 columns (except for names of files), without a final line end.
     pub fn text(&self) -> String {
         let shapes = [(self.triangles, "triangle"), (self.spheres, "sphere"), (self.planes, "plane")];
         let shapes: Vec<_> = shapes.iter().filter(|(n, _)| *n > 0).map(|(n, noun)| counted(*n, noun)).collect();
         let mut s = format!("scene      {}: {}\n", self.scene, shapes.join(", "));
-        // A String takes whatever is written to it, here and below.
+        // Writing to a string cannot fail, here and below.
         let _ = writeln!(s, "rays       up to {} of each kind, nearest hit and any hit", grouped(self.rays as u64));
         for LeftOut { contender, why } in &self.left_out {
             let _ = writeln!(s, "left out   {contender}: {why}");
@@ -232,7 +232,7 @@ impl Report {
         s
     }
 
-    /// Both queries of a kind in one line, and the sum of all kinds.
+    /// Writes both queries of a kind in one line, and the sum of all kinds.
     fn answers(&self, s: &mut String) {
         let _ = writeln!(s, "\n{:31}undecidable, f32 cannot tell: ", "");
         let _ = writeln!(
@@ -262,7 +262,7 @@ impl Report {
         }
     }
 
-    /// How each contender is wrong, and how it differs from native.
+    /// Writes the faults of each contender, and its differences from native.
     fn faults(&self, s: &mut String) {
         s.push('\n');
         for contender in &self.contenders {
@@ -361,12 +361,12 @@ impl Row {
     }
 }
 
-/// World coordinates of a place, of no more digits than `f32` has where they are the scene's own.
+/// World coordinates of a place, with the digits of `f32` if they are the scene's own.
 fn world(scene: &Scene, place: Vec3) -> [f64; 3] {
     if scene.is_in_world_coordinates() { digits(place) } else { scene.world(place.as_dvec3()).to_array() }
 }
 
-/// Numbers of as many digits as tell an `f32` from its neighbours.
+/// Numbers with enough digits to tell an `f32` from its neighbours.
 fn digits(v: Vec3) -> [f64; 3] {
     v.to_array().map(|x| x.to_string().parse().unwrap_or(f64::from(x)))
 }
@@ -416,7 +416,7 @@ mod tests {
     use crate::cli::args::{Cli, Command};
     use crate::trial::parity::Finding;
 
-    /// The report of one set, in which native's closest hits are found to be `finding`.
+    /// Report of one set in which the finding on native's closest hits is `finding`.
     fn report(finding: Finding, pixels: &Pixels) -> Report {
         let Command::Parity(args) = <Cli as clap::Parser>::parse_from(["vitrum", "parity", "a.toml"]).command else {
             unreachable!("parity was asked for")

@@ -1,11 +1,11 @@
-//! `vitrum parity --ray`: one ray through every path, with everything that the arbiter finds about it.
+//! `vitrum parity --ray`: one ray through every path, with all contacts that the arbiter finds.
 
 use std::fmt::Write as _;
 
-use super::Parity;
 use crate::Result;
 use crate::accel::reference::{Contact, Examined, Reference, Verdict};
 use crate::accel::{Backend, Coherence};
+use crate::cli::options::Parity;
 use crate::measure::table::counted;
 use crate::scene::Scene;
 use crate::simd::level;
@@ -13,10 +13,10 @@ use crate::trial::parity::{ask, cause_name, fault_name};
 use crate::trial::shown::{self, Ray};
 use crate::trial::verify::{Candidate as _, UnderTest};
 
-/// Contacts that are listed.
+/// Largest number of contacts listed.
 const LISTED: usize = 12;
 
-/// The answers of every path to one ray. Its JSON form is this, with the same names; infinite numbers are null.
+/// Answers of every path to one ray, in the form of the JSON output. Infinite numbers are null.
 #[derive(serde::Serialize)]
 pub(super) struct Single {
     version: &'static str,
@@ -26,13 +26,13 @@ pub(super) struct Single {
     dir: [f32; 3],
     t_min: f32,
     t_max: f32,
-    /// The nearest hit in `f64`.
+    /// Nearest hit in `f64`.
     truth: Option<Met>,
     answers: Vec<Answer>,
-    /// Everything that `f32` may find along the ray, nearest first.
+    /// Contacts that `f32` may find along the ray, nearest first.
     contacts: Vec<Near>,
     left_out: Option<String>,
-    /// Wrong answers of the native path.
+    /// Number of wrong answers of the native path.
     native_wrong: u64,
     passed: bool,
     #[serde(skip)]
@@ -64,9 +64,9 @@ struct Near {
     #[serde(flatten)]
     met: Met,
     inside: bool,
-    /// Distance from the edge that would decide otherwise, in scene units.
+    /// Distance from the edge that would change the decision, in scene units.
     edge: f64,
-    /// Largest error of `f32` in that.
+    /// Largest error of `f32` in that distance.
     edge_bound: f64,
 }
 
@@ -110,10 +110,10 @@ impl Single {
         self.passed
     }
 
-    /// As text of several lines, the last one unended.
+    /// Text of several lines, without a final line end.
     pub fn text(&self) -> String {
         let hit = |met: &Option<Met>| met.as_ref().map_or(String::from("nothing"), Met::text);
-        // A String takes whatever is written to it, here and below.
+        // Writing to a string cannot fail, here and below.
         let mut s = format!("ray            {}\n", shown::ray(&self.ray));
         let _ = writeln!(s, "f64            {}", hit(&self.truth));
         for a in &self.answers {

@@ -3,22 +3,22 @@
 use crate::render::RayKind;
 use crate::render::record::{Event, Met, Node, Tree};
 
-/// A ray by either renderer, or by one of them alone.
+/// A ray in either renderer, or in one of them alone.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
-    /// Its ray in the `f32` tree.
+    /// Node in the `f32` tree.
     pub narrow: Option<Node>,
-    /// Its ray in the `f64` tree.
+    /// Node in the `f64` tree.
     pub wide: Option<Node>,
-    /// The row whose surface sent it.
+    /// Row of the surface that sent it.
     pub parent: Option<usize>,
-    /// How many rows are above it in the tree.
+    /// Number of rows above it in the tree.
     pub level: usize,
-    /// Rows that it sent.
+    /// Rows that its surface sent.
     pub sent: Vec<usize>,
 }
 
-/// The rows of both trees, or of one sample (from 1) of them, each before those that it sent.
+/// Returns the rows of both trees, or of one sample (from 1), each before the rows that it sent.
 pub(super) fn rows(narrow: &Tree, wide: &Tree, sample: Option<u32>) -> Vec<Row> {
     let sent = (narrow.children(), wide.children());
     let mut rows: Vec<Row> = Vec::new();
@@ -58,7 +58,7 @@ pub(super) fn rows(narrow: &Tree, wide: &Tree, sample: Option<u32>) -> Vec<Row> 
     rows
 }
 
-/// Whether what follows from two rays can be compared.
+/// Returns true if the rays that follow two rays can be compared.
 pub(super) fn met_alike(a: &Event, b: &Event) -> bool {
     let kind = |event: &Event| match event.met {
         Met::Nothing => 0,

@@ -1,4 +1,4 @@
-//! `vitrum pixel`, as typed.
+//! Arguments of `vitrum pixel`.
 
 use std::path::PathBuf;
 

@@ -1,36 +1,36 @@
-//! Whether the rays of a pixel settle its value.
+//! Condition of a pixel: the change of its value when its camera rays move by a few ulps.
 
 use crate::cli::options::Pixel;
 use crate::render::record::Tree;
 use crate::render::reference::Prepared;
 use crate::scene::Scene;
 
-/// By how much a channel has to move to count, in radiance.
+/// Change of a channel that counts, in radiance.
 pub(super) const TOLERANCE: f64 = 5e-4;
 
-/// The few ulps of `f32` that a renderer in it may be off by at each surface.
+/// Error of an `f32` renderer at each surface, in ulps.
 const ULPS: f64 = 8.0;
 
-/// One camera ray's.
+/// Condition of one camera ray.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub(super) struct Condition {
-    /// The ray, from 1, row by row.
+    /// Number of the ray, from 1, row by row.
     pub sample: u32,
-    /// The first of 1, 2, 4, ... ulps by which the camera ray moves and the f64 value moves by more than the tolerance;
-    /// none up to `looked`.
+    /// Smallest movement of the camera ray, among 1, 2, 4, ... ulps up to `looked`, at which the f64 value changes by
+    /// more than the tolerance. `None` if none does.
     pub ulps: Option<f64>,
-    /// How far was looked: 8 for each level of the tree.
+    /// Largest movement that was tested, in ulps: 8 for each level of the tree.
     pub looked: f64,
 }
 
 impl Condition {
-    /// Whether a few ulps of f32 move it.
+    /// Returns true if a few ulps of f32 change the value.
     pub fn is_ill(&self) -> bool {
         self.ulps.is_some()
     }
 }
 
-/// The conditions of the rays that are shown.
+/// Computes the conditions of the rays that are shown.
 pub(super) fn of(prepared: &Prepared, scene: &Scene, job: &Pixel, tree: &Tree) -> Vec<Condition> {
     let n = scene.settings.samples;
     let levels = tree.events.iter().map(|event| event.depth).max().unwrap_or(0) + 1;

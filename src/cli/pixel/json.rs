@@ -1,4 +1,4 @@
-//! The tree as JSON: a flat list of rays, each naming the one that sent it.
+//! The tree as JSON: a flat list of rays, each with the index of the one that sent it.
 
 use glam::DVec3;
 
@@ -16,12 +16,12 @@ pub(super) struct Report {
     scene: String,
     x: u32,
     y: u32,
-    /// Rays of the pixel along an edge.
+    /// Edge of the grid of rays in the pixel.
     samples: u32,
-    /// The one that is shown, from 1; null for all.
+    /// The sample that is shown, from 1; null for all.
     sample: Option<u32>,
     backend: &'static str,
-    /// The pixel by all of its rays.
+    /// Numbers of the whole pixel, over all of its rays.
     pixel: Vec<Quantity>,
     tolerance: f64,
     conditions: Vec<Condition>,
@@ -37,7 +37,7 @@ struct Ray {
     quantities: Vec<Quantity>,
 }
 
-/// A ray by one renderer.
+/// A ray in one renderer.
 #[derive(serde::Serialize)]
 struct Side {
     kind: &'static str,
@@ -70,7 +70,7 @@ struct Cut {
     too_light: bool,
 }
 
-/// Everything, folded away or not.
+/// Returns the report with all rays, folded away or not.
 pub(super) fn report(findings: &Findings) -> Report {
     let totals: Totals = [findings.narrow.tree.totals(), findings.wide.tree.totals()];
     let rays = findings.rows.iter().enumerate().map(|(id, row)| Ray {

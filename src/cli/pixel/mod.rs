@@ -1,4 +1,4 @@
-//! `vitrum pixel`: two renderers' trees of rays, aligned and told.
+//! `vitrum pixel`: aligns the ray trees of two renderers and reports them.
 
 mod align;
 pub(super) mod args;
@@ -26,25 +26,25 @@ use crate::{Error, Result};
 use align::Row;
 use condition::Condition;
 
-/// A pixel by one renderer.
+/// A pixel in one renderer.
 struct Side {
     radiance: [f64; 3],
     truncated: [f64; 3],
     tree: Tree,
 }
 
-/// Everything there is to tell.
+/// Results on the pixel.
 struct Findings<'a> {
     job: &'a Pixel,
     scene: &'a Scene,
     narrow: Side,
     wide: Side,
     rows: Vec<Row>,
-    /// One for each ray of the pixel that is shown.
+    /// One condition for each ray of the pixel that is shown.
     conditions: Vec<Condition>,
 }
 
-/// Traces the pixel twice, and tells.
+/// Traces the pixel with both renderers, and reports.
 pub(super) fn run(job: &Pixel) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -83,8 +83,10 @@ pub(super) fn run(job: &Pixel) -> Result<Verdict> {
     Ok(Verdict::Done)
 }
 
+/// Checks that the pixel and the sample exist.
+///
 /// # Errors
-/// Usage, where there is no such pixel or sample.
+/// Usage if one does not.
 fn check(job: &Pixel, scene: &Scene) -> Result<()> {
     let settings = &scene.settings;
     for (value, name, end) in [(job.x, "X", settings.width), (job.y, "Y", settings.height)] {
@@ -106,7 +108,7 @@ fn check(job: &Pixel, scene: &Scene) -> Result<()> {
     }
 }
 
-/// The pixel by the renderer that makes pictures.
+/// Traces the pixel with the renderer that makes pictures.
 fn narrow(job: &Pixel, scene: &Scene, observer: &Observer) -> Result<Side> {
     let accel = Accel::build(job.backend, &scene.geometry, BuildOptions { threads: 1, ..BuildOptions::default() })?;
     let (radiance, truncated, tree) = render::recorded(scene, &accel, &job.options, observer, (job.x, job.y))?;

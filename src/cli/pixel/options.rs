@@ -1,4 +1,4 @@
-//! `vitrum pixel`, checked.
+//! Validated options of `vitrum pixel`.
 
 use std::path::PathBuf;
 
@@ -11,15 +11,15 @@ use crate::image::Destination;
 use crate::render;
 use crate::{Error, Result};
 
-/// A pixel to be looked into.
+/// Pixel to examine.
 #[derive(Debug)]
 pub(in crate::cli) struct Pixel {
     pub scene: PathBuf,
     pub x: u32,
     pub y: u32,
-    /// From 1; none for all.
+    /// Sample to show, from 1; `None` for all.
     pub sample: Option<u32>,
-    /// What is less is folded away.
+    /// Contributions and differences below this are folded away.
     pub least: f64,
     pub svg: Option<Destination>,
     pub json: bool,

@@ -8,18 +8,18 @@ use crate::math::ulp;
 use crate::render::RayKind;
 use crate::render::record::{Event, Met, Node, Source, Tree};
 
-/// A number by either renderer.
+/// A number in both renderers.
 #[derive(Clone, Debug, serde::Serialize)]
 pub(super) struct Quantity {
-    /// What it is.
+    /// Name.
     pub name: String,
-    /// In `f32`.
+    /// Value in `f32`.
     pub f32: Option<f64>,
-    /// In `f64`.
+    /// Value in `f64`.
     pub f64: Option<f64>,
-    /// The difference in ulps of `f32` at the number, where there are both.
+    /// Difference in ulps of `f32`, if both exist.
     pub ulps: Option<f64>,
-    /// The difference in parts of the number.
+    /// Difference relative to the number.
     pub relative: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Quantity {
         Self { name: name.into(), f32: narrow, f64: wide, ulps, relative }
     }
 
-    /// The difference as people read it.
+    /// Formats the difference.
     pub fn difference(&self) -> String {
         match (self.ulps, self.relative) {
             (Some(0.0), _) => String::from("same"),
@@ -52,7 +52,7 @@ impl Quantity {
 /// Numbers of one ray by one renderer.
 type Numbers = Vec<(String, f64)>;
 
-/// The numbers of a row, in the order in which they are told. `totals` are those of [`crate::render::record::Tree`].
+/// Returns the numbers of a row, in the order of the report. `totals` are those of [`crate::render::record::Tree`].
 pub(super) fn of(findings: &Findings, row: &Row, totals: &[Vec<(DVec3, DVec3)>; 2]) -> Vec<Quantity> {
     fn side<'a>(node: Option<Node>, tree: &'a Tree, totals: &[(DVec3, DVec3)]) -> Option<(&'a Event, (DVec3, DVec3))> {
         node.map(|node| (&tree.events[node as usize], totals[node as usize]))
@@ -74,7 +74,7 @@ pub(super) fn of(findings: &Findings, row: &Row, totals: &[Vec<(DVec3, DVec3)>; 
     greys(all)
 }
 
-/// The pixel's own numbers: radiance and truncated weight by either renderer.
+/// Returns the pixel's own numbers: radiance and truncated weight in both renderers.
 pub(super) fn of_the_pixel(narrow: ([f64; 3], [f64; 3]), wide: ([f64; 3], [f64; 3])) -> Vec<Quantity> {
     let mut all = Vec::new();
     for (name, a, b) in [("radiance", narrow.0, wide.0), ("cut off", narrow.1, wide.1)] {
@@ -84,7 +84,7 @@ pub(super) fn of_the_pixel(narrow: ([f64; 3], [f64; 3]), wide: ([f64; 3], [f64; 
     greys(all)
 }
 
-/// Joins the channels of what is the same in all three.
+/// Merges the channels of quantities that are equal in all three.
 fn greys(all: Vec<Quantity>) -> Vec<Quantity> {
     let mut joined: Vec<Quantity> = Vec::new();
     let mut rest = all.into_iter().peekable();
@@ -106,7 +106,7 @@ fn greys(all: Vec<Quantity>) -> Vec<Quantity> {
     joined
 }
 
-/// The quantities that one renderer has for a ray; a length of 1 is one of `unit` in the world.
+/// Returns the quantities that one renderer has for a ray. Lengths are converted to the world by `unit`.
 fn numbers((event, (brings, cut)): (&Event, (DVec3, DVec3)), unit: f64) -> Numbers {
     let mut all = Numbers::new();
     let degrees = |cos: f64| cos.clamp(-1.0, 1.0).acos().to_degrees();
@@ -115,7 +115,7 @@ fn numbers((event, (brings, cut)): (&Event, (DVec3, DVec3)), unit: f64) -> Numbe
         all.push((String::from("t"), event.t * unit));
     }
     if event.arrived != event.weight {
-        // What the medium took on the way.
+        // Transmittance of the medium on the way.
         colour(&mut all, "on arrival", event.arrived);
     }
     if let Met::Surface { cos_i, .. } = event.met {
@@ -146,7 +146,7 @@ fn numbers((event, (brings, cut)): (&Event, (DVec3, DVec3)), unit: f64) -> Numbe
     all
 }
 
-/// The name of a source of light.
+/// Name of a source of light.
 pub(super) fn source(source: Source) -> String {
     match source {
         Source::Environment => String::from("environment"),
@@ -160,7 +160,7 @@ fn colour(all: &mut Numbers, name: &str, value: DVec3) {
     for (channel, x) in ["r", "g", "b"].into_iter().zip(value.to_array()) {
         let name = format!("{name} {channel}");
         match all.iter_mut().find(|(other, _)| *other == name) {
-            // Several of a kind count together.
+            // Sources of a kind are summed.
             Some((_, sum)) => *sum += x,
             None => all.push((name, x)),
         }

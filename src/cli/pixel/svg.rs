@@ -1,4 +1,4 @@
-//! The tree as a drawing: from the camera at the left to where light is from at the right.
+//! The tree as a drawing, from the camera at the left to the sources of light at the right.
 
 use std::fmt::Write as _;
 
@@ -17,17 +17,17 @@ const GAP: [f64; 2] = [56.0, 14.0];
 /// Left and upper edge of the first box.
 const MARGIN: [f64; 2] = [24.0, 96.0];
 
-/// A box that is shown, or that stands for rays folded away.
+/// A box for a ray, or for rays folded away.
 struct Card {
     row: usize,
     parent: Option<usize>,
     level: usize,
-    /// In boxes from the top.
+    /// Position in boxes from the top.
     place: f64,
     folded: bool,
 }
 
-/// The drawing.
+/// Returns the drawing.
 pub(super) fn draw(findings: &Findings) -> String {
     let totals: Totals = [findings.narrow.tree.totals(), findings.wide.tree.totals()];
     let cards = cards(findings, &totals);
@@ -75,7 +75,7 @@ pub(super) fn draw(findings: &Findings) -> String {
     svg + "</svg>\n"
 }
 
-/// Boxes with their places: leaves below each other, others in the middle of what they sent.
+/// Places the boxes: leaves below each other, each other box in the middle of those that it sent.
 fn cards(findings: &Findings, totals: &Totals) -> Vec<Card> {
     let mut cards: Vec<Card> = Vec::new();
     let mut card_of = vec![None; findings.rows.len()];
@@ -101,7 +101,7 @@ fn cards(findings: &Findings, totals: &Totals) -> Vec<Card> {
             next += 1.0;
         }
     }
-    // A card comes before those it sent.
+    // A box comes before those that it sent.
     for i in (0..cards.len()).rev() {
         if let (Some(&first), Some(&last)) = (sent[i].first(), sent[i].last()) {
             cards[i].place = 0.5 * (cards[first].place + cards[last].place);

@@ -10,16 +10,16 @@ use crate::render::RayKind;
 use crate::render::record::{Event, Met, Source};
 use crate::scene::{Interface, LightKind, Scene};
 
-/// Levels that are set in; deeper ones stand below each other, with their depths.
+/// Number of levels that are indented. Deeper ones stand below each other, with their depths.
 const SET_IN: usize = 11;
 
-/// What a terminal is wide.
+/// Width of a terminal.
 const COLUMNS: usize = 80;
 
-/// What belongs to each row, by either renderer: radiance and cut-off weight of it and all that follows.
+/// Radiance and truncated weight of each row and of all rays that follow, in each renderer.
 pub(super) type Totals = [Vec<(DVec3, DVec3)>; 2];
 
-/// The whole report.
+/// Returns the whole report.
 pub(super) fn report(findings: &Findings) -> String {
     let (job, settings) = (findings.job, &findings.scene.settings);
     let samples = settings.samples * settings.samples;
@@ -75,7 +75,7 @@ pub(super) fn report(findings: &Findings) -> String {
     lines.iter().map(|line| wrapped(line)).collect::<Vec<_>>().join("\n") + "\n"
 }
 
-/// A line broken at blanks so that each part fits the terminal, later parts set in further.
+/// Breaks a line at blanks so that each part fits the terminal; later parts are indented further.
 fn wrapped(line: &str) -> String {
     let indent = " ".repeat(line.len() - line.trim_start().len() + 4);
     let mut parts = Vec::new();
@@ -94,7 +94,7 @@ fn wrapped(line: &str) -> String {
     parts.join("\n")
 }
 
-/// The pixel itself, over all of its rays.
+/// Returns the numbers of the whole pixel, over all of its rays.
 pub(super) fn of_the_pixel(narrow: &Side, wide: &Side) -> Vec<Quantity> {
     quantity::of_the_pixel((narrow.radiance, narrow.truncated), (wide.radiance, wide.truncated))
 }
@@ -116,7 +116,7 @@ fn conditions(findings: &Findings) -> Vec<String> {
     }
 }
 
-/// Whether a row and all below it is too little to be shown.
+/// Returns true if a row and all below it contribute too little to be shown.
 pub(super) fn folds(row: &Row, totals: &Totals, least: f64) -> bool {
     let of = |node: Option<u32>, totals: &[(DVec3, DVec3)]| node.map_or(DVec3::ZERO, |n| totals[n as usize].0);
     let (a, b) = (of(row.narrow, &totals[0]), of(row.wide, &totals[1]));
@@ -125,7 +125,7 @@ pub(super) fn folds(row: &Row, totals: &Totals, least: f64) -> bool {
     most.iter().all(|v| v.abs().max_element() < least)
 }
 
-/// How many rays a row stands for, itself among them.
+/// Number of rays that a row stands for, itself included.
 pub(super) fn following(findings: &Findings, row: &Row) -> String {
     let mut waiting = row.sent.clone();
     let mut n = 1;
@@ -136,7 +136,7 @@ pub(super) fn following(findings: &Findings, row: &Row) -> String {
     if n == 1 { String::from("1 ray") } else { format!("{n} rays") }
 }
 
-/// The event of a row that words are taken from.
+/// Event of a row that descriptions use.
 pub(super) fn event<'a>(findings: &'a Findings, row: &Row) -> &'a Event {
     let narrow = row.narrow.map(|n| &findings.narrow.tree.events[n as usize]);
     let wide = row.wide.map(|n| &findings.wide.tree.events[n as usize]);
@@ -155,7 +155,7 @@ fn name_of(findings: &Findings, row: &Row) -> String {
     format!("{} {} in {inside}{only}", event.depth, event.kind.name())
 }
 
-/// What a row's ray is, and what it met.
+/// Describes a row's ray and its hit.
 fn told(findings: &Findings, row: &Row, indent: &str) -> Vec<String> {
     let mut lines = vec![format!("{indent}{}", name_of(findings, row))];
     let narrow = row.narrow.map(|n| &findings.narrow.tree.events[n as usize]);
@@ -190,7 +190,7 @@ fn place(event: &Event) -> Option<DVec3> {
     }
 }
 
-/// What a ray met, in words.
+/// Describes the hit of a ray.
 pub(super) fn met(scene: &Scene, event: &Event) -> String {
     let object = |i: u32| {
         let material = &scene.materials[scene.objects[i as usize].material as usize];
@@ -221,7 +221,7 @@ fn interface(interface: &Interface) -> &'static str {
     }
 }
 
-/// Why numbers are what they are: indices, what blocks lamps, why rays were cut.
+/// Explains numbers: indices, objects that block lamps, reasons why rays ended.
 fn remarks(findings: &Findings, row: &Row) -> Vec<String> {
     let mut lines = Vec::new();
     let event = event(findings, row);

@@ -1,4 +1,4 @@
-//! `vitrum price`, as typed.
+//! Arguments of `vitrum price`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -97,7 +97,7 @@ pub(in crate::cli) struct PriceArgs {
     pub quiet: bool,
 }
 
-/// Seconds, or a number with `s`, `m` or `h`.
+/// Parses seconds, or a number with `s`, `m` or `h`.
 pub(in crate::cli) fn duration(text: &str) -> Result<Duration, String> {
     let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
         Some(at) => text.split_at(at),

@@ -19,7 +19,7 @@ use crate::study::{self, Report, Subject, Variant, Watch};
 use crate::system::files;
 use crate::{Error, Result};
 
-/// Loads, studies, writes and reports.
+/// Loads the scene, runs the study, writes and reports.
 pub(super) fn run(job: Price) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -60,13 +60,13 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
     Ok(Verdict::Done)
 }
 
-/// This program's own command line, for a shell.
+/// Returns this program's own command line, for a shell.
 fn command() -> String {
     let arguments = std::env::args_os().skip(1).map(|a| quoted(&a.to_string_lossy()));
     std::iter::once(String::from("vitrum")).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// The report in its forms, and the pictures where they are asked for.
+/// Writes the report in its forms, and the pictures if requested.
 fn write(job: &Price, report: &Report) -> Result<()> {
     let into = |name: &str, bytes: &[u8]| Destination::new(&job.folder.join(name))?.write(bytes, || true);
     let json = serde_json::to_string_pretty(report)
@@ -80,7 +80,7 @@ fn write(job: &Price, report: &Report) -> Result<()> {
     Ok(())
 }
 
-/// The page, with the pictures that the study keeps.
+/// Returns the page with the pictures that the study keeps.
 fn page(folder: &Path, report: &Report) -> Result<String> {
     let film = |name: &String| kept(folder, name).ok();
     let references = References {
@@ -102,7 +102,7 @@ fn kept(folder: &Path, name: &str) -> Result<Film> {
     Ok(image::read(&folder.join("study").join(name), &ReadOptions::default())?.film)
 }
 
-/// A PNG and an EXR of each variant.
+/// Writes a PNG and an EXR of each variant.
 fn pictures(folder: &Path, report: &Report) -> Result<()> {
     let to = folder.join("pictures");
     files::create_folder(&to)?;

@@ -1,4 +1,4 @@
-//! `vitrum price`, validated.
+//! Validated options of `vitrum price`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use crate::cli::backend::Renderer;
 use crate::study::Axis;
 use crate::{Error, Result};
 
-/// A study of one scene.
+/// Study of one scene.
 #[derive(Debug)]
 pub(in crate::cli) struct Price {
     pub scene: PathBuf,
@@ -18,11 +18,11 @@ pub(in crate::cli) struct Price {
     pub axes: Vec<Axis>,
     pub size: Option<[u32; 2]>,
     pub samples: u32,
-    /// The default variant's.
+    /// Back end of the default variant.
     pub backend: Backend,
     pub bvh: BuildQuality,
     pub runs: usize,
-    /// 0 is one a processor.
+    /// Number of threads; 0 means one per processor.
     pub threads: usize,
     pub combine: bool,
     pub fresh: bool,

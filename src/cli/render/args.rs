@@ -1,4 +1,4 @@
-//! `vitrum render`, as typed.
+//! Arguments of `vitrum render`.
 
 use std::path::PathBuf;
 use std::time::Duration;

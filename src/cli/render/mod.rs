@@ -23,7 +23,7 @@ use crate::study::spheres::with_spheres;
 use crate::study::{Axis, Spheres};
 use crate::{Error, Result};
 
-/// Loads, renders, writes and reports.
+/// Loads the scene, renders, writes and reports.
 pub(super) fn run(mut job: Render) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -97,7 +97,7 @@ fn facts<'a>(job: &'a Render, scene: &'a Scene, report: &'a LoadReport) -> notic
     notices::Facts { file: &job.scene, scene, report, options: &job.options }
 }
 
-/// Renders, with a bar; looks for missing light in a picture of which no budget decides.
+/// Renders with a progress bar. Without a budget, also searches for missing light.
 pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Result<Traced> {
     let exposure = job.wish.is_none().then(|| job.exposure.factor());
     let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
@@ -106,10 +106,10 @@ pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Resul
     })
 }
 
-/// A loss of which the worst object is named.
+/// Loss for which the worst object is named.
 const NEVER_ENTERED: &str = "rays left a medium that they never entered";
 
-/// Under `--strict`: what the picture is short of for reasons other than its settings is an error.
+/// Under `--strict`, refuses losses of the picture that its settings do not explain.
 fn refuse_losses(scene: &Path, traced: &Traced, unmatched: &Unmatched) -> Result<()> {
     let outcome = &traced.outcome;
     let dropped = traced.build.map_or(0, |b| b.dropped as u64);

@@ -1,4 +1,4 @@
-//! `vitrum render`, checked.
+//! Validated options of `vitrum render`.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::study::{Axis, Spheres};
 use crate::systems::maps::Proxy;
 use crate::{Error, Result, render};
 
-/// A picture to be rendered.
+/// Picture to render.
 #[derive(Debug)]
 pub(in crate::cli) struct Render {
     pub scene: PathBuf,
@@ -28,29 +28,29 @@ pub(in crate::cli) struct Render {
     /// Factor on all colours.
     pub exposure: Exposure,
     pub overrides: Overrides,
-    /// What the scene's exact spheres are.
+    /// Representation of the scene's exact spheres.
     pub spheres: Spheres,
     pub backend: Renderer,
     pub bvh: BuildQuality,
     pub options: render::Options,
-    /// What the free choices are made for, where that is asked.
+    /// Budget that the free choices are made for, if any.
     pub wish: Option<Wish>,
-    /// Choices that the command line made.
+    /// Axes whose level the command line chose.
     pub fixed: Vec<Axis>,
-    /// Makes every oddity an error.
+    /// True if warnings and losses are errors.
     pub strict: bool,
     pub json: bool,
     pub quiet: bool,
 }
 
-/// A factor on all colours, `2^ev`.
+/// Factor on all colours, `2^ev`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::cli) struct Exposure {
     pub ev: f32,
 }
 
 impl Exposure {
-    /// The factor itself.
+    /// Returns the factor.
     pub fn factor(self) -> f32 {
         self.ev.exp2()
     }
@@ -143,10 +143,10 @@ impl TryFrom<RenderArgs> for Render {
     }
 }
 
-/// Checks that the rays of a mirrored camera have nothing to carry.
+/// Checks that the rays of a mirrored camera carry neither polarisation nor a budget.
 ///
 /// # Errors
-/// Usage, where they would have.
+/// Usage if they would.
 fn refuse_carried(args: &RenderArgs) -> Result<()> {
     let flag = match (args.optics.fresnel, args.cutoff_error) {
         (Some(FresnelModel::Polarised), _) => "--fresnel polarised",
@@ -161,10 +161,10 @@ fn refuse_carried(args: &RenderArgs) -> Result<()> {
     Ok(())
 }
 
-/// Stand-in for the surroundings of reflectors that show maps.
+/// Proxy of the surroundings for reflectors that show maps.
 ///
 /// # Errors
-/// Usage, where none does.
+/// Usage if a proxy is given but no reflector shows a map.
 fn proxy(args: &RenderArgs) -> Result<Proxy> {
     let maps = matches!(args.reflection, Some(Reflection::CubeMap | Reflection::SphereMap));
     match args.proxy {
@@ -209,7 +209,7 @@ fn backend(args: &RenderArgs) -> Result<Renderer> {
     Ok(Renderer::Walk(triangles, args.reciprocal.unwrap_or_default()))
 }
 
-/// The scene's name with `.png`, in the current folder.
+/// Returns the scene's name with `.png`, in the current folder.
 fn default_output(scene: &Path) -> Result<PathBuf> {
     match scene.file_stem() {
         Some(stem) => {

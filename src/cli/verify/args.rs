@@ -1,4 +1,4 @@
-//! `vitrum verify`, as typed.
+//! Arguments of `vitrum verify`.
 
 use std::path::PathBuf;
 

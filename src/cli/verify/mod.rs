@@ -17,10 +17,10 @@ use crate::scene::Scene;
 use crate::simd::level;
 use crate::trial::verify::{self, Candidate, Finding, Plan, Trouble, UnderTest};
 
-/// Troubles told one by one, of each kind, outside JSON.
+/// Largest number of troubles of each kind listed outside JSON.
 const TOLD: usize = 8;
 
-/// The result, as JSON has it.
+/// Result in the form of the JSON output.
 #[derive(serde::Serialize)]
 struct Report {
     version: &'static str,
@@ -28,13 +28,13 @@ struct Report {
     threads: usize,
     scene: Option<String>,
     full: bool,
-    /// How hierarchies were built.
+    /// Build quality of the hierarchies.
     bvh: &'static str,
     holds: bool,
     groups: Vec<Row>,
-    /// What is wrong with the scene's triangles.
+    /// Faults of the scene's triangles.
     troubles: Vec<TroubleRow>,
-    /// Rays that look for overlapping media and were left out, because those before met too many shapes at once.
+    /// Number of rays that were left out of the search for overlapping media, because earlier ones met too many shapes.
     probes_left_out: u64,
     #[serde(flatten)]
     warnings: Warnings,
@@ -43,19 +43,19 @@ struct Report {
 #[derive(serde::Serialize)]
 struct Row {
     group: &'static str,
-    /// None where the group is of formulas alone.
+    /// `None` if the group consists of formulas.
     path: Option<&'static str>,
     cases: u64,
     failures: u64,
     holds: bool,
-    /// What the figure is.
+    /// Meaning of the figure.
     figure: Option<&'static str>,
-    /// Rays left out, because they and those before them meet too many shapes at once.
+    /// Number of rays left out, because earlier ones met too many shapes at once.
     left_out: u64,
     worst: Option<f64>,
     bound: Option<f64>,
     seconds: f64,
-    /// The first few failures.
+    /// First few failures.
     examples: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ struct TroubleRow {
     message: String,
 }
 
-/// Runs the groups, prints the table.
+/// Runs the groups and prints the table.
 pub(super) fn run(job: &Verify) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
@@ -100,7 +100,7 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         scene: job.scene.as_ref().map(|p| p.display().to_string()),
         full: job.plan.full,
         bvh: job.bvh.name(),
-        // Trouble with triangles is told, and no failure: a scene may well have them and be rendered right.
+        // Faulty triangles are reported, but are no failure: a scene may have them and be rendered correctly.
         holds: findings.iter().all(Finding::holds),
         groups: findings.iter().map(Row::of).collect(),
         troubles: troubles.found.iter().map(TroubleRow::of).collect(),
@@ -124,7 +124,7 @@ fn fire(job: &Verify, scene: Option<(&Scene, &str)>, observer: &Observer) -> Res
     for backend in Backend::ALL.into_iter().filter(wanted) {
         findings.extend(fire_at(&UnderTest { backend, bvh: job.bvh }, &job.plan, scene, observer)?);
     }
-    // The paths of a group side by side, in the order asked for.
+    // Paths of a group side by side, in the requested order.
     let place = |f: &Finding| job.plan.groups.iter().position(|&g| g == f.group);
     findings.sort_by_key(place);
     Ok(findings)
@@ -153,7 +153,7 @@ impl Row {
             holds: f.holds(),
             figure: worst.map(|w| w.what),
             left_out: f.tally.left_out,
-            // JSON knows no NaN.
+            // JSON has no NaN.
             worst: worst.map(|w| w.value).filter(|x| x.is_finite()),
             bound: worst.and_then(|w| w.bound),
             seconds: f.time.as_secs_f64(),
@@ -190,7 +190,7 @@ impl TroubleRow {
 }
 
 impl Report {
-    /// As text of several lines.
+    /// Text of several lines.
     fn text(&self) -> String {
         let head = ["group", "path", "cases", "failures", "worst", "bound", "time", "figure"].map(String::from);
         let rows: Vec<[String; 8]> = [head].into_iter().chain(self.groups.iter().map(Row::cells)).collect();
@@ -238,7 +238,7 @@ impl Report {
     }
 }
 
-/// Names to the left, figures to the right.
+/// Aligns names to the left and figures to the right.
 fn aligned(row: &[String; 8], widths: &[usize; 8]) -> String {
     let cell = |c: usize| {
         let (text, width) = (&row[c], widths[c]);

@@ -1,4 +1,4 @@
-//! `vitrum verify`, checked.
+//! Validated options of `vitrum verify`.
 
 use std::path::PathBuf;
 
@@ -9,19 +9,19 @@ use crate::cli::options::choices::no_hierarchy;
 use crate::error::{Error, Result, Unavailable};
 use crate::trial::verify::{self, Group};
 
-/// Hard cases to be tried.
+/// Hard cases to try.
 #[derive(Debug)]
 pub(in crate::cli) struct Verify {
-    /// What to fire at; none for the built-in cases.
+    /// Scene to test; `None` for the built-in cases.
     pub scene: Option<PathBuf>,
     pub plan: verify::Plan,
     pub native: bool,
-    /// Both modes of it. Only where built in.
+    /// True to test both modes of Embree, if it is compiled in.
     pub embree: bool,
     pub bvh: BuildQuality,
-    /// Worker threads; 0 is one a processor.
+    /// Number of worker threads; 0 means one per processor.
     pub threads: usize,
-    /// Warnings are errors.
+    /// True if warnings are errors.
     pub strict: bool,
     pub json: bool,
     pub quiet: bool,

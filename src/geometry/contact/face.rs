@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::geometry::{Geometry, Shape, Spot};
+use crate::geometry::shape::{Geometry, Shape};
+use crate::geometry::spawn::Spot;
 use crate::math::Vector3;
 
 /// A triangle, a plane or a sphere of a list of shapes.

@@ -9,9 +9,14 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::face::{Face, Form};
+use super::found::Found;
 use super::join::{self, Extent, Item};
-use super::{Found, overlap, repeats, tolerance};
-use crate::geometry::{Aabb, Geometry, Plane, Shape, TriMesh};
+use super::tolerance::{grown, tolerance};
+use super::{overlap, repeats};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::plane::Plane;
+use crate::geometry::shape::{Geometry, Shape};
 use crate::math::UNIT_ROUNDOFF;
 
 /// Triangles of a block.
@@ -167,7 +172,7 @@ impl Block {
         let end = mesh.triangles.len().min(first as usize + BLOCK);
         let usable = (first as usize..end).filter(|&i| mesh.is_usable(i));
         let bounds = usable.fold(Aabb::EMPTY, |all, i| all.union(Aabb::of(&mesh.corners(i))));
-        let (lo, hi) = super::grown(&bounds);
+        let (lo, hi) = grown(&bounds);
         (!bounds.is_empty()).then_some(Self { object, first, lo, hi })
     }
 }

@@ -13,6 +13,9 @@ const LEAF: usize = 8;
 /// Items from which the halves of a node are worked on side by side.
 const MANY: usize = 2048;
 
+/// Cuts of the grid along whose cells items are sorted.
+const CUTS: usize = 64;
+
 /// The group of a node whose items belong to several.
 const MIXED: u32 = u32::MAX;
 
@@ -83,37 +86,67 @@ pub(super) fn pairs(mut items: Vec<Item>, meet: &(dyn Fn(u32, u32) -> bool + Syn
     if items.iter().all(|item| item.group == first.group) {
         return Vec::new();
     }
-    // A spread counts by the sizes of the boxes along it.
+    sort(&mut items);
+    let root = build(&items, 0);
+    Join { items: &items, meet }.within(&root)
+}
+
+/// Sorts items along a curve through the cells of a grid, as Morton codes do, so that items in a row lie near each other.
+/// The grid is halved along the axis on which its cells are longest; lengths count in mean sizes of the boxes.
+fn sort(items: &mut Vec<Item>) {
     let sizes: [f64; AXES] = std::array::from_fn(|axis| {
         let size = |item: &Item| f64::from(item.extent.hi[axis]) - f64::from(item.extent.lo[axis]);
         items.par_iter().map(size).sum::<f64>() / items.len() as f64
     });
-    let scale = sizes.map(|size| if size > 0.0 { (1.0 / size) as f32 } else { 0.0 });
-    let root = build(&mut items, 0, &scale);
-    Join { items: &items, meet }.within(&root)
+    let middle = |item: &Item| Extent { lo: item.extent.middles(), hi: item.extent.middles() };
+    let middles = items.par_iter().map(middle).reduce(|| Extent::EMPTY, |a, b| a.with(&b));
+    let spread: [f32; AXES] = std::array::from_fn(|axis| middles.hi[axis] - middles.lo[axis]);
+    let counts = |axis: usize| sizes[axis] > 0.0 && spread[axis] > 0.0 && spread[axis].is_finite();
+    let mut lengths: [f64; AXES] =
+        std::array::from_fn(|axis| if counts(axis) { f64::from(spread[axis]) / sizes[axis] } else { 0.0 });
+    let cuts: Vec<usize> = std::iter::repeat_with(|| {
+        let longest = (1..AXES).fold(0, |best, axis| if lengths[axis] > lengths[best] { axis } else { best });
+        lengths[longest] *= 0.5;
+        longest
+    })
+    .take(CUTS)
+    .collect();
+    let key = |item: &Item| {
+        let mut cell: [u32; AXES] = std::array::from_fn(|axis| {
+            let part = (item.extent.middle(axis) - middles.lo[axis]) / spread[axis];
+            if counts(axis) { (part * u32::MAX as f32) as u32 } else { 0 }
+        });
+        cuts.iter().fold(0_u64, |key, &axis| {
+            let bit = cell[axis] >> 31;
+            cell[axis] <<= 1;
+            key << 1 | u64::from(bit)
+        })
+    };
+    let mut order: Vec<(u64, u32)> =
+        items.par_iter().zip(0..items.len() as u32).map(|(item, i)| (key(item), i)).collect();
+    order.par_sort_unstable();
+    *items = order.into_par_iter().map(|(_, i)| items[i as usize]).collect();
 }
 
-fn build(items: &mut [Item], first: usize, scale: &[f32; AXES]) -> Node {
+/// Builds the tree over sorted items, of which the first has the number `first`.
+fn build(items: &[Item], first: usize) -> Node {
     let count = items.len();
-    let extent = items.iter().fold(Extent::EMPTY, |all, item| all.with(&item.extent));
-    let group = if items.iter().all(|item| item.group == items[0].group) { items[0].group } else { MIXED };
-    let leaf = |extent| Node { extent, group, first, count, halves: None };
-    if count <= LEAF || group != MIXED && count <= 4 * LEAF {
-        return leaf(extent);
+    if count <= LEAF {
+        let extent = items.iter().fold(Extent::EMPTY, |all, item| all.with(&item.extent));
+        let group = if items.iter().all(|item| item.group == items[0].group) { items[0].group } else { MIXED };
+        return Node { extent, group, first, count, halves: None };
     }
-    let middle = |item: &Item| Extent { lo: item.extent.middles(), hi: item.extent.middles() };
-    let middles = items.iter().fold(Extent::EMPTY, |all, item| all.with(&middle(item)));
-    let spread = |axis: usize| (middles.hi[axis] - middles.lo[axis]) * scale[axis];
-    let axis = (0..AXES).fold(0, |best, axis| if spread(axis) > spread(best) { axis } else { best });
     let half = count / 2;
-    items.select_nth_unstable_by(half, |a, b| a.extent.middle(axis).total_cmp(&b.extent.middle(axis)));
-    let (left, right) = items.split_at_mut(half);
+    let (left, right) = items.split_at(half);
     let (left, right) = if count >= MANY {
-        rayon::join(|| build(left, first, scale), || build(right, first + half, scale))
+        rayon::join(|| build(left, first), || build(right, first + half))
     } else {
-        (build(left, first, scale), build(right, first + half, scale))
+        (build(left, first), build(right, first + half))
     };
-    Node { halves: Some(Box::new([left, right])), ..leaf(extent) }
+    let group = if left.group == right.group { left.group } else { MIXED };
+    let extent = left.extent.with(&right.extent);
+    let whole = group != MIXED && count <= 4 * LEAF;
+    Node { extent, group, first, count, halves: (!whole).then(|| Box::new([left, right])) }
 }
 
 struct Join<'a> {

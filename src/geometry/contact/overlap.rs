@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
 use super::face::{Face, Form};
-use super::tolerance;
+use super::tolerance::tolerance;
 
 /// Corners of the common part of two triangles, at most.
 type Polygon = ArrayVec<DVec2, 9>;

@@ -3,8 +3,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::Found;
-use crate::geometry::TriMesh;
+use super::found::Found;
+use crate::geometry::mesh::TriMesh;
 
 /// Bits of the filter for each triangle.
 const BITS: usize = 8;

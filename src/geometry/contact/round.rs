@@ -5,9 +5,13 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::contacts::Tangent;
 use super::face::{Face, Form};
-use super::{Found, Tangent, tolerance};
-use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
+use super::found::Found;
+use super::tolerance::tolerance;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::shape::{Geometry, Shape};
+use crate::geometry::sphere::Sphere;
 
 /// The gap next to a contact counts as closed below so many times the distance that the starts of rays are moved by.
 const GAP: f64 = 4.0;

@@ -3,7 +3,10 @@
 use glam::{DVec3, Vec3};
 
 use super::Spot;
-use crate::geometry::{Plane, Ray, Sphere, triangle};
+use crate::geometry::plane::Plane;
+use crate::geometry::ray::Ray;
+use crate::geometry::sphere::Sphere;
+use crate::geometry::triangle;
 use crate::math::{UNIT_ROUNDOFF, Vector3};
 
 const U: f64 = UNIT_ROUNDOFF as f64;

@@ -1,6 +1,8 @@
 //! A test with a bound on its own error, which detects undecided lanes.
 
-use super::{Lanes, Meeting, TriangleTest, corners_of, meet_sheared, settle};
+use super::exact::{corners_of, meet_sheared, settle};
+use super::formula::{Meeting, TriangleTest};
+use super::lanes::Lanes;
 use crate::math::{LaneMask, Vector3};
 use crate::simd::Reciprocal;
 

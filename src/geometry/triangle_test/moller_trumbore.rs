@@ -1,6 +1,7 @@
 //! The test of most ray tracers.
 
-use super::{Lanes, Meeting, TriangleTest, cross};
+use super::formula::{Meeting, TriangleTest, cross};
+use super::lanes::Lanes;
 use crate::math::Vector3;
 use crate::simd::Reciprocal;
 

@@ -1,6 +1,7 @@
 //! The test of the lecture notes.
 
-use super::{Lanes, Meeting, TriangleTest, cross, same_side};
+use super::formula::{Meeting, TriangleTest, cross, same_side};
+use super::lanes::Lanes;
 use crate::math::Vector3;
 use crate::simd::Reciprocal;
 

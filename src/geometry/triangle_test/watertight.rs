@@ -1,6 +1,8 @@
 //! The test of the renderer.
 
-use super::{Lanes, Meeting, TriangleTest, corners_of, meet_sheared, settle};
+use super::exact::{corners_of, meet_sheared, settle};
+use super::formula::{Meeting, TriangleTest};
+use super::lanes::Lanes;
 use crate::geometry::slab::SlabRay;
 use crate::geometry::triangle::{Axis, ShearedRay};
 use crate::math::{LaneMask, Real, Vector3};

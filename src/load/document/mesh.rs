@@ -7,7 +7,8 @@ use super::{Names, Reader};
 use crate::geometry::{COORDINATE_LIMIT, TriMesh};
 use crate::load::assembly::{Assembly, Pending};
 use crate::load::draft::{Ball, Draft, MeshDraft};
-use crate::load::obj;
+use crate::load::format::Format;
+use crate::load::request::Request;
 use crate::load::shapes::{self, Wave};
 use crate::load::transform::{Transform, facing, flip, within_limit};
 use crate::scene::Origin;
@@ -65,7 +66,7 @@ pub(super) fn mesh<'d>(
             let name = given
                 .unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()));
             let wrong = |e: String| reader.source.error(&place, format!("the transform of `{name}` {e}"));
-            let request = obj::Request {
+            let request = Request {
                 name: name.clone(),
                 material: table.opt("material", |v| names.material(v))?,
                 replace: &[],
@@ -78,7 +79,7 @@ pub(super) fn mesh<'d>(
                 wrong_transform: &wrong,
             };
             table.finish()?;
-            obj::load(&path, &request, assembly).map(drop)
+            Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly).map(drop)
         }
         (None, Some(value)) => {
             let kind = value.choice(&KINDS)?;

@@ -13,7 +13,7 @@ mod names;
 mod notes;
 mod number;
 mod parts;
-mod polygon;
+pub(super) mod polygon;
 mod scan;
 mod statement;
 mod text;
@@ -26,40 +26,18 @@ use self::mtl::Made;
 use self::names::{cleaned, files, folded, split};
 use self::scan::Scan;
 use self::text::{is_utf16, short, shown, unmarked};
-use super::assembly::{Assembly, Pending};
-use super::draft::Draft;
+use super::assembly::Assembly;
 use super::holds;
+use super::request::Request;
 use super::source::folder_of;
-use super::transform::Transform;
 use crate::geometry::TriMesh;
-use crate::scene::{Colour, Material, Origin, Rgb};
+use crate::scene::{Colour, Material, Rgb};
 use crate::system::files::read;
 use crate::system::memory;
 use crate::{Error, Result};
 
 /// Number of warnings that the error for a model without triangles repeats.
 const MOST_REPEATED: usize = 5;
-
-/// Options for adding a model to a scene.
-pub(super) struct Request<'a> {
-    /// Name in messages.
-    pub name: String,
-    /// Material of the whole model; by default its own materials.
-    pub material: Option<u32>,
-    /// Materials of the scene in place of some of the model, by their names there.
-    pub replace: &'a [(String, u32)],
-    /// Largest angle in degrees between faces without normals that are shaded smoothly; `None` for the smoothing groups
-    /// of the file.
-    pub smooth: Option<f64>,
-    /// Turns the model inside out.
-    pub flip: bool,
-    /// Placement in the scene.
-    pub transform: Transform,
-    /// Limit on the magnitude of coordinates, used if most exceed the general limit.
-    pub limit: f64,
-    /// Creates the error for a wrong transform, at its location in the scene file.
-    pub wrong_transform: &'a dyn Fn(String) -> Error,
-}
 
 /// Reads a model into the scene, as one shape per material. Returns the names of its materials.
 pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<Vec<String>> {
@@ -97,13 +75,9 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
         if let Some(change) = made.iter().filter(|m| m.place == group).find_map(|m| m.uv) {
             move_uvs(&mut mesh.mesh, change);
         }
-        request.transform.mesh(&mut mesh).map_err(request.wrong_transform)?;
-        let material = &assembly.scene.materials[group as usize].name;
-        let name =
-            if request.material.is_some() { request.name.clone() } else { format!("{}/{material}", request.name) };
-        let origin = Origin { file: path.display().to_string(), line: 0, triangle_lines: lines };
-        let draft = Draft::Mesh(mesh);
-        assembly.add(Pending { name, draft, material: group, origin, smooth: request.smooth, flip: request.flip })?;
+        let material = assembly.scene.materials[group as usize].name.clone();
+        let name = request.material.is_none().then_some(material.as_str());
+        request.add(path, name, mesh, group, lines, assembly)?;
     }
     Ok(names)
 }

@@ -3,13 +3,13 @@
 use glam::{DVec2, DVec3};
 
 /// Largest concave polygon that is triangulated; the cost grows with at least the square of its corners.
-pub(super) const MOST_CONCAVE_CORNERS: usize = 8_192;
+pub(in crate::load) const MOST_CONCAVE_CORNERS: usize = 8_192;
 /// Number of corner visits per polygon after which triangulation gives up: some seconds.
 const MOST_LOOKS: u64 = 1 << 30;
 
 /// Reason for not triangulating a polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Refusal {
+pub(in crate::load) enum Refusal {
     /// It is concave and has more than [`MOST_CONCAVE_CORNERS`].
     TooManyCorners,
     /// Triangulation exceeds [`MOST_LOOKS`].
@@ -23,7 +23,7 @@ pub(super) enum Refusal {
 ///
 /// # Errors
 /// Fails if the polygon is concave and has too many corners or winds too much.
-pub(super) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), Refusal> {
+pub(in crate::load) fn triangulate(points: &[DVec3], rounding: f64, out: &mut Vec<[usize; 3]>) -> Result<(), Refusal> {
     let count = points.len();
     if count == 3 {
         out.push([0, 1, 2]);

@@ -1,16 +1,17 @@
-//! The notes' three algebraic forms. They are equal in exact arithmetic and, but near index ratio 1, in rounding.
+//! The notes' three algebraic forms. They are equal in exact arithmetic and, except near index ratio 1, in rounding.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula};
+use super::formula::{Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
-/// Heckbert's method, as the slides on reflection and refraction rays derive it:
-/// `t = eta i + (eta c - sqrt(1 - eta^2 (1 - c^2))) n`.
+/// Heckbert's method, as derived in the slides on reflection and refraction rays: `t = eta i + (eta c - sqrt(1 - eta^2
+/// (1 - c^2))) n`.
 ///
-/// Corrected on the way there, where the slides have `-sin(th2) = eta sin(th1)`, `eta1 / eta2 = eta1` and
-/// `1^2 cos^2 = eta^2 (1 - cos^2)^2`: `sin(th2) = eta sin(th1)`, `eta1 / eta2 = eta` and `1 - cos^2(th2) =
-/// eta^2 (1 - cos^2(th1))`. The boxed result is right. A negative radicand is total reflection, which they leave out.
+/// The derivation prints `-sin(th2) = eta sin(th1)`, `eta1 / eta2 = eta1` and `1^2 cos^2 = eta^2 (1 - cos^2)^2`. Right
+/// are `sin(th2) = eta sin(th1)`, `eta1 / eta2 = eta` and `1 - cos^2(th2) = eta^2 (1 - cos^2(th1))`. The boxed result
+/// is right. A negative radicand means total reflection, which the slides omit.
 ///
-/// Errors: 2e-7 rad into a denser medium, but 1.4e-4 rad where the indices differ by an ulp.
+/// Errors: 2e-7 rad into a denser medium, but 1.4e-4 rad if the indices differ by an ulp.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heckbert;
 
@@ -56,12 +57,12 @@ impl RefractionFormula for Bec {
     }
 }
 
-/// The vector form of the lighting slides, step 11 of their derivation:
-/// `t = eta (i - (i . n) n) - n sqrt(1 - eta^2 (1 - (i . n)^2))`.
+/// Vector form of the lighting slides, step 11 of their derivation: `t = eta (i - (i . n) n) - n sqrt(1 - eta^2 (1 - (i
+/// . n)^2))`.
 ///
-/// Step 10 prints `eta_i / eta_t^2` for `eta_i^2 / eta_t^2` (and leaves a bracket open), which nobody sees with air
-/// outside: from glass into air it turns 48.59 degrees into 43.49 and moves the critical angle from 41.81 to 54.74.
-/// Step 11 has it right. Neither guards against total reflection.
+/// Step 10 prints `eta_i / eta_t^2` for `eta_i^2 / eta_t^2` (and leaves a bracket open). The error does not show with
+/// air outside. From glass into air it turns 48.59 degrees into 43.49 and moves the critical angle from 41.81 to 54.74.
+/// Step 11 is right. Neither tests for total reflection.
 ///
 /// Errors: as [`Heckbert`].
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,34 +1,38 @@
 //! Refraction by a vector sum.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula, RefractionModel};
+use super::formula::{Refracted, RefractionFormula};
 use crate::choice::Constant;
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
-/// Oliveira's approximation, as the textbook section has it (equation 6.28): `t = i - c n`, normalised, with a
-/// constant `c` for a medium entered from air; `tan(th_t) = sin(th_i) / (cos(th_i) + c)`.
+/// Oliveira's approximation, as in the textbook section (equation 6.28): `t = i - c n`, normalised, with a constant `c`
+/// for a medium entered from air; `tan(th_t) = sin(th_i) / (cos(th_i) + c)`.
 ///
-/// The book's "somewhere around 1.0" for water ([`Oliveira::AS_PRINTED`]) is exactly half the angle of incidence, 7.1
-/// degrees off at 30 and 10.6 at 60. [`Oliveira::first_order`] is exact at small angles (0.6 degrees off at 30, 5.6 at
-/// 60); [`Oliveira::WATER`] and [`Oliveira::GLASS`] have the least largest error up to 60 degrees, 1.4.
+/// The book's "somewhere around 1.0" for water ([`Oliveira::AS_PRINTED`]) gives exactly half the angle of incidence: an
+/// error of 7.1 degrees at 30 and 10.6 at 60. [`Oliveira::first_order`] is exact at small angles (error 0.6 degrees at
+/// 30, 5.6 at 60). [`Oliveira::WATER`] and [`Oliveira::GLASS`] minimise the largest error up to 60 degrees, which is
+/// 1.4.
 ///
-/// It knows the indices only by which is the larger. `c` is for the way into the denser medium; on the way out, of
-/// which the book does not speak, this takes `-c / (1 + c)`, which undoes it at small angles, and calls total what
-/// that would turn back to the incident side. Equal indices leave `incident` as it is, to the bit.
+/// The formula depends on the indices only by which one is larger. `c` is for the way into the denser medium. The book
+/// does not treat the way out: here it uses `-c / (1 + c)`, which inverts the formula at small angles. A direction that
+/// would turn back to the incident side counts as total reflection. Equal indices leave `incident` unchanged to the
+/// bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oliveira {
-    /// The constant for entering; above -1. Around 0.3 to 1.5, growing with the index ratio.
+    /// Constant for entering, above -1: around 0.3 to 1.5, growing with the index ratio.
     pub c: f64,
 }
 
 impl Oliveira {
     /// The book's constant for water: the refracted angle is half the angle of incidence.
     pub const AS_PRINTED: Self = Self { c: 1.0 };
-    /// Least largest error up to 60 degrees for index 1.33: 1.43 degrees.
+    /// Constant of the smallest maximum error up to 60 degrees for index 1.33: 1.43 degrees.
     pub const WATER: Self = Self { c: 0.46 };
-    /// Least largest error up to 60 degrees for index 1.5: 1.38 degrees.
+    /// Constant of the smallest maximum error up to 60 degrees for index 1.5: 1.38 degrees.
     pub const GLASS: Self = Self { c: 0.6645 };
 
-    /// `n2 / n1 - 1`: exact to first order in the angle, on the way from index `n1` into the denser `n2`.
+    /// Returns `n2 / n1 - 1`, which is exact to first order in the angle, on the way from index `n1` into the denser
+    /// `n2`.
     #[must_use]
     pub fn first_order(n1: f64, n2: f64) -> Self {
         Self { c: n2 / n1 - 1.0 }
@@ -55,8 +59,8 @@ impl Constant for Oliveira {
 }
 
 impl RefractionFormula for Oliveira {
-    fn of(model: RefractionModel) -> Self {
-        if let RefractionModel::Oliveira(formula) = model { formula } else { Self::default() }
+    fn with_constant(constant: Option<f64>) -> Self {
+        constant.map_or_else(Self::default, |c| Self { c })
     }
 
     #[inline(always)]
@@ -69,12 +73,12 @@ impl RefractionFormula for Oliveira {
     ) -> Refracted<R> {
         let zero = R::zero();
         let leaving = boundary.kc.gt(zero);
-        // `c` = -1 has no way back (it stands for an index of 0): there, light goes on as it was.
+        // `c` = -1 has no inverse (it stands for an index of 0), so light goes on unchanged.
         let back = if self.c == -1.0 { 0.0 } else { -self.c / (1.0 + self.c) };
         let c = R::select(leaving, R::splat(back), R::splat(self.c));
         let sum = (-normal).fma(c, incident);
         let length2 = sum.length_squared();
-        // `c` = -1 head on leaves no direction at all.
+        // `c` = -1 at normal incidence gives a zero vector.
         let as_it_was = boundary.kc.eq(zero) | length2.le(zero);
         let length = R::select(as_it_was, R::one(), length2.sqrt());
         let direction = Vector3::select(as_it_was, incident, sum * (R::one() / length));

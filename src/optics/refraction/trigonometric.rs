@@ -1,17 +1,19 @@
-//! Refraction by the angles themselves.
+//! Refraction by computing the angles.
 
-use super::{Boundary, Crossing, Refracted, RefractionFormula};
+use super::formula::{Refracted, RefractionFormula};
 use crate::math::{Real, Vector3};
+use crate::optics::boundary::{Boundary, Crossing};
 
-/// Snell's law with angles, as both sets of slides begin: `th1 = acos(-(i . n))`, `th2 = asin(eta sin(th1))`,
-/// `t = sin(th2) v1 - cos(th2) n` with `v1 = i_perp / |i_perp|` and `i_perp = i + cos(th1) n`.
+/// Snell's law with angles, as both sets of slides begin: `th1 = acos(-(i . n))`, `th2 = asin(eta sin(th1))`, `t =
+/// sin(th2) v1 - cos(th2) n` with `v1 = i_perp / |i_perp|` and `i_perp = i + cos(th1) n`.
 ///
-/// Corrected: one deck prints `t = -sin(th2) v1 - cos(th2) v2`, which refracts to the wrong side. `v1` (the other
-/// deck's `b`) is 0/0 at normal incidence, where this is `incident`; the cosine is at most 1, where rounding would
-/// make the arc cosine NaN; a sine above 1 is total reflection.
+/// Corrections: one deck prints `t = -sin(th2) v1 - cos(th2) v2`, which refracts to the wrong side. `v1` (`b` in the
+/// other deck) is 0/0 at normal incidence, where the result is `incident`. The cosine is clamped to 1, above which the
+/// arc cosine is NaN. A sine above 1 is total reflection.
 ///
-/// Errors: 1.1e-5 rad on average angles and 5e-4 rad near normal incidence, where the arc cosine has lost half the
-/// digits: sixty to six thousand times the algebraic forms'. In `f32` the four functions are [`crate::math`]'s own.
+/// Errors: 1.1e-5 rad at average angles and 5e-4 rad near normal incidence, where the arc cosine loses half the digits.
+/// These are sixty to six thousand times those of the algebraic forms. In `f32` the four functions are those of
+/// [`crate::math`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Trigonometric;
 

@@ -11,6 +11,7 @@ use super::super::surface::Surface8;
 use super::disperse::disperse;
 use super::lobes::{Lobes, Optics};
 use super::{SplitStage, gather_boundaries, lane_bits, reflected};
+use crate::choice::Choice as _;
 use crate::math::Real;
 use crate::optics::{
     Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
@@ -45,7 +46,7 @@ fn split<O: Optics, R: RefractionFormula, const DISPERSING: bool, const TOUCHING
     surfaces: &mut [Surface8],
     depth: usize,
 ) {
-    let formula = R::of(shading.refraction);
+    let formula = R::with_constant(shading.refraction.number().map(|(constant, _)| constant));
     let total_is_lost = shading.total_is_lost;
     for surface in surfaces {
         let Entered { boundary, beyond, fans } = enter::<TOUCHING>(shading, surface, depth);

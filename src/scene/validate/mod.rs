@@ -9,14 +9,17 @@ use std::fmt::Display;
 
 use glam::{DVec3, Vec3};
 
+use super::camera::{Camera, Projection};
+use super::environment::Environment;
+use super::light::{Light, LightKind};
+use super::material::{Colour, FresnelRule, Interface, Material, Medium};
 use super::ranges::{
     EXPONENTS, INDICES, LEAST_SINE_OF_EDGES, LEAST_SINE_OF_UP, LIGHT_SAMPLES, MOST_DEPTH, MOST_EXTINCTION,
     MOST_WAVELENGTHS, SAMPLES,
 };
-use super::{
-    Camera, Colour, Environment, FresnelRule, Interface, Light, LightKind, Material, Medium, Pattern, Projection, Rgb,
-    Scene, Settings, Texture,
-};
+use super::settings::{Pattern, Settings};
+use super::texture::Texture;
+use super::{Rgb, Scene};
 
 impl Scene {
     /// Checks every index, list length and value.

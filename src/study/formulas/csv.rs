@@ -1,10 +1,10 @@
-//! The figures as comma-separated values, a line for each formula and range.
+//! The figures as comma-separated values, one line per formula and range.
 
 use std::fmt::Write as _;
 
 use super::Formula;
 
-/// The whole table. Numbers that are not there are empty.
+/// Returns the whole table. Fields without a number are empty.
 #[must_use]
 pub fn csv(formulas: &[Formula]) -> String {
     let mut text = String::from(

@@ -1,4 +1,4 @@
-//! A formula of light at a boundary, made to answer in every number type.
+//! Formulas of light at a boundary, evaluated in every number type.
 
 use std::hint::black_box;
 
@@ -9,23 +9,23 @@ use crate::math::{LaneMask, Real, Vector3};
 use crate::optics::Boundary;
 use crate::simd::{F32x8, Mask8, Vec3x8};
 
-/// A ray at a boundary, or eight.
+/// A ray at a boundary, or eight rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Case<R> {
     pub incident: Vector3<R>,
     pub normal: Vector3<R>,
-    /// The cosine of incidence, for formulas of nothing else.
+    /// Cosine of the angle of incidence, for formulas of the angle alone.
     pub cos: R,
     pub boundary: Boundary<R>,
 }
 
-/// A formula, over every number type.
+/// Formula over every number type.
 pub(super) trait Answer: Copy + Sync + 'static {
-    /// Its answer, and where there is none.
+    /// Returns the answer, and true where there is none.
     fn answer<R: Real>(self, case: &Case<R>) -> (Vector3<R>, R::Mask);
 }
 
-/// An [`Answer`] as one of a list.
+/// [`Answer`] of unknown type, for lists.
 pub(super) trait Formula: Sync {
     fn eight(&self, case: &Case<F32x8>) -> (Vec3x8, Mask8);
     fn double(&self, case: &Case<f64>) -> (Vector3<f64>, bool);
@@ -51,7 +51,7 @@ impl<A: Answer> Formula for A {
     }
 }
 
-/// One pass over a batch, too short to be disturbed and long enough to be timed.
+/// Evaluates a batch once: short enough to be undisturbed and long enough to be timed.
 #[inline(never)]
 fn run<A: Answer, R: Real>(answer: A, cases: &[Case<R>]) -> usize {
     const PASSES: usize = 64;
@@ -64,10 +64,10 @@ fn run<A: Answer, R: Real>(answer: A, cases: &[Case<R>]) -> usize {
     PASSES * cases.len()
 }
 
-/// Indices, direction of travel and normal.
+/// Indices on both sides, direction of travel and normal.
 pub(super) type Drawn = (f64, f64, DVec3, DVec3);
 
-/// Rays spread evenly over all cosines, into glass and out of it by turns: few enough for the nearest cache.
+/// Rays spread evenly over all cosines, alternately into glass and out of it, few enough for the first-level cache.
 fn batch() -> Vec<Drawn> {
     const RAYS: usize = 64;
     let normal = DVec3::new(0.36, 0.48, 0.8);
@@ -88,7 +88,7 @@ fn case<R: Real>(n1: f64, n2: f64, i: DVec3, n: DVec3) -> Case<R> {
     Case { incident: vector(i), normal: vector(n), cos: R::splat(-i.dot(n)), boundary: Boundary::new(n1, n2) }
 }
 
-/// Eight rays, each at a boundary of its own.
+/// Returns eight rays, each at its own boundary.
 fn eight(rays: &[Drawn; 8]) -> Case<F32x8> {
     let cases = rays.map(|(n1, n2, i, n)| case::<f32>(n1, n2, i, n));
     let lanes = |f: &dyn Fn(&Case<f32>) -> f32| F32x8::from_fn(|k| f(&cases[k]));
@@ -108,7 +108,7 @@ fn eight(rays: &[Drawn; 8]) -> Case<F32x8> {
     }
 }
 
-/// Lane `k` of a mask.
+/// Returns lane `k` of a mask.
 pub(super) fn lane(mask: Mask8, k: usize) -> bool {
     mask.any() && mask.lane(k)
 }

@@ -18,7 +18,7 @@ impl<F: FresnelFormula> Answer for Reflectance<F> {
     }
 }
 
-/// Both polarisations, in the stable form or as printed.
+/// Reflectances for both polarisations, in the stable form or as printed.
 #[derive(Clone, Copy)]
 struct Both<const PRINTED: bool>;
 
@@ -51,17 +51,17 @@ const RANGES: [Range; 17] = [
     Range::new("glass to water, to 1e-3 of critical", 1.5, 1.33, Angles::BelowCritical),
 ];
 
-/// Formula of this study, and what its answers are.
+/// Formula of this study, with the meaning of its answers.
 struct Candidate {
     name: String,
     formula: Box<dyn Formula>,
-    /// True if the answers are held against the oracle for each polarisation.
+    /// True if the answers are compared with the oracle for each polarisation.
     polarised: bool,
-    /// Column of the noted figures.
+    /// Column of the published figures.
     column: Option<Column>,
 }
 
-/// Column of the noted figures.
+/// Column of the published figures.
 #[derive(Clone, Copy, PartialEq)]
 enum Column {
     Exact,
@@ -69,7 +69,7 @@ enum Column {
     Schlick,
 }
 
-/// Makes a formula answer in every number type.
+/// Visitor that evaluates a formula in every number type.
 struct Boxed;
 
 impl FresnelVisitor for Boxed {
@@ -80,7 +80,7 @@ impl FresnelVisitor for Boxed {
     }
 }
 
-/// All formulas that the renderer has, and the exact one as printed in the notes.
+/// Returns all formulas of the renderer, and the exact one as printed in the notes.
 fn candidates() -> Vec<Candidate> {
     let of = |model: FresnelModel| {
         let (formula, polarised) = match model {
@@ -100,7 +100,7 @@ fn candidates() -> Vec<Candidate> {
     FresnelModel::ALL.into_iter().map(of).chain([printed]).collect()
 }
 
-/// Largest errors in parts of the reflectance: the stable form with fused products, and the notes' form.
+/// Published largest relative errors: the stable form with fused products, and the notes' form.
 const NOTED: [[Option<f64>; 2]; 12] = [
     [Some(6.8e-7), Some(4.8e-7)],
     [Some(6.7e-7), Some(6.3e-7)],
@@ -116,7 +116,7 @@ const NOTED: [[Option<f64>; 2]; 12] = [
     [Some(6.4e-7), None],
 ];
 
-/// Schlick's largest errors, by range.
+/// Published largest errors of Schlick's formula, by range.
 const NOTED_SCHLICK: [(usize, f64); 10] = [
     (0, 0.0357),
     (1, 0.0599),
@@ -130,7 +130,7 @@ const NOTED_SCHLICK: [(usize, f64); 10] = [
     (15, 0.174),
 ];
 
-/// The figure noted for a formula and a range, and ours for it.
+/// Returns the figure published for a formula and a range, with ours.
 fn noted(column: Column, range: usize, errors: &Errors) -> Option<Noted> {
     let relative = errors.worst.relative.unwrap_or(0.0);
     let (value, ours) = match column {
@@ -188,7 +188,8 @@ fn tally(plan: &Plan, candidates: &[Candidate], range: &Range, number: usize) ->
                     let relative = (whole > 0.0).then(|| off / whole);
                     tally.add(off / f64::from(ulp(want as f32)), off, relative);
                 };
-                // The reflectance in the plane of incidence has a zero: it is held against the other one.
+                // The reflectance in the plane of incidence has a zero, so its error is relative to the other
+                // reflectance.
                 if candidate.polarised {
                     let off_p = (f64::from(got.y) - p).abs();
                     one(got.x, s, s);

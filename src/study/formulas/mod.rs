@@ -1,7 +1,7 @@
-//! One formula at a time: what it costs, in nanoseconds, and how far off it is, held against an oracle of twice the
-//! digits of `f64`, over the ranges that matter.
+//! Time and accuracy of single formulas: nanoseconds per evaluation, and errors against an oracle with twice the digits
+//! of `f64`, over ranges of media and angles.
 //!
-//! The errors are the same in every run: rays are drawn from a fixed seed. Times are this machine's.
+//! The errors are the same in every run, because rays are drawn from a fixed seed. Times are those of this machine.
 
 mod csv;
 mod evaluate;
@@ -43,7 +43,7 @@ impl serde::Serialize for Kind {
 }
 
 impl Kind {
-    /// What its errors are.
+    /// Unit of the group's errors.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -54,86 +54,86 @@ impl Kind {
     }
 }
 
-/// What is to be found out.
+/// Formulas to measure, and the effort.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Rays drawn of each range, at least 8.
+    /// Number of rays drawn from each range, at least 8.
     pub count: usize,
-    /// Whether formulas are timed, too.
+    /// True if formulas are timed as well.
     pub time: bool,
-    /// Which formulas.
+    /// Groups to measure.
     pub kinds: Vec<Kind>,
 }
 
-/// A formula: what it costs, and how far off it is.
+/// Time and errors of a formula.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Formula {
-    /// What it is of.
+    /// Group of the formula.
     pub kind: Kind,
-    /// Its name, as in the option of the renderer that chooses it.
+    /// Name, as in the option of the renderer that chooses it.
     pub name: String,
-    /// Nanoseconds, where it was timed.
+    /// Nanoseconds, if it was timed.
     pub time: Option<Time>,
-    /// How far off it is, by range.
+    /// Errors by range.
     pub ranges: Vec<Errors>,
 }
 
-/// How far off a formula is in one range.
+/// Errors of a formula in one range.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Errors {
-    /// The range.
+    /// Name of the range.
     pub range: &'static str,
-    /// Answers that were held against the oracle.
+    /// Number of answers compared with the oracle.
     pub compared: u64,
-    /// The largest error in `f32`.
+    /// Largest error in `f32`.
     pub worst: Off,
-    /// The mean error in `f32`.
+    /// Mean error in `f32`.
     pub mean: Off,
-    /// The largest error in `f64`, in the kind's unit, where it was looked at.
+    /// Largest error in `f64`, in the group's unit, if it was measured.
     pub worst_f64: Option<f64>,
-    /// Share that got no answer where there is one, or the other way round: total reflection misjudged, rays that slip
+    /// Share of answers that exist although they should not, or are missing: total reflection misjudged, rays that slip
     /// through a closed mesh.
     pub misjudged: f64,
-    /// Share that fell to `f64`.
+    /// Share that fell back to `f64`.
     pub settled: f64,
-    /// What was published or measured elsewhere for this range.
+    /// Figure published or measured elsewhere for this range.
     pub noted: Option<Noted>,
 }
 
-/// An error in its units.
+/// An error in several units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Off {
-    /// In units of the last place: of the number itself, or of 1 for the components of a direction.
+    /// In ulps of the right answer, or of 1 for the components of a direction.
     pub ulp: f64,
-    /// In the kind's unit.
+    /// In the group's unit.
     pub absolute: f64,
-    /// In parts of the right answer, where that is a number.
+    /// Relative to the right answer, if that is a number.
     pub relative: Option<f64>,
 }
 
-/// A figure for the same thing from elsewhere: 80-bit arithmetic, without fused products.
+/// Figure from elsewhere, measured with 80-bit arithmetic and without fused products, and ours.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Noted {
-    /// The figure.
+    /// Figure from elsewhere.
     pub value: f64,
-    /// Ours for it.
+    /// Figure measured here.
     pub ours: f64,
-    /// Why the two differ by more than a factor of two, where they do; empty where they do not.
+    /// Reason why the two differ by more than a factor of two; empty if they do not.
     pub why: &'static str,
 }
 
 impl Noted {
-    /// Whether the two agree within a factor of two.
+    /// Returns true if the two agree within a factor of two.
     #[must_use]
     pub fn agrees(&self) -> bool {
         self.value == self.ours || (self.ours <= 2.0 * self.value && self.value <= 2.0 * self.ours)
     }
 }
 
-/// Measures every formula asked for. `done` is called after each kind, and ends the work by saying so.
+/// Measures every formula of the groups in `plan`. `done` is called after each group; it returns false to end the work.
 ///
 /// # Errors
-/// `Interrupted`, where `done` says false.
+/// `Interrupted` if `done` returns false.
 pub fn measure(plan: &Plan, mut done: impl FnMut() -> bool) -> crate::Result<Vec<Formula>> {
     let mut formulas = Vec::new();
     for kind in &plan.kinds {
@@ -151,7 +151,7 @@ pub fn measure(plan: &Plan, mut done: impl FnMut() -> bool) -> crate::Result<Vec
     Ok(formulas)
 }
 
-/// The sum of errors over a range.
+/// Errors accumulated over a range.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     compared: u64,

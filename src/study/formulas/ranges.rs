@@ -1,4 +1,4 @@
-//! The ranges that matter: pairs of media, and how angles of incidence are drawn.
+//! Ranges of media and angles of incidence.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,7 @@ use crate::measure::sample::Rng;
 /// One ulp of 1 in `f32`.
 pub(super) const ULP: f64 = f32::EPSILON as f64;
 
-/// How angles of incidence are drawn.
+/// Distribution of angles of incidence.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Angles {
     /// Cosines uniform over 0..1.
@@ -18,13 +18,13 @@ pub(super) enum Angles {
     Normal,
     /// Cosines uniform over 0..1e-3.
     Grazing,
-    /// 1e-6 rad short of grazing.
+    /// 1e-6 rad from grazing.
     AllButGrazing,
     /// Cosines uniform from the normal to 1e-3 rad below the critical angle.
     BelowCritical,
-    /// Between so many radians below the critical angle.
+    /// Between two distances in radians below the critical angle.
     Just(f64, f64),
-    /// So many degrees.
+    /// A single angle in degrees.
     At(f64),
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Range {
     pub name: &'static str,
     /// Index on the ray's side.
     pub n1: f64,
-    /// Index behind.
+    /// Index on the other side.
     pub n2: f64,
     pub angles: Angles,
 }
@@ -44,12 +44,12 @@ impl Range {
         Self { name, n1, n2, angles }
     }
 
-    /// The angle past which all is reflected; a right angle where there is none.
+    /// Critical angle in radians; a right angle if there is none.
     pub fn critical(&self) -> f64 {
         (self.n2 / self.n1).min(1.0).asin()
     }
 
-    /// An angle of incidence.
+    /// Draws an angle of incidence.
     pub fn angle(&self, rng: &mut Rng) -> f64 {
         match self.angles {
             Angles::All => rng.unit().acos(),

@@ -1,4 +1,4 @@
-//! One over a number.
+//! Reciprocals.
 
 use std::hint::black_box;
 
@@ -11,14 +11,14 @@ use crate::simd::{Estimate, F32x8, Reciprocal, ReciprocalModel, ReciprocalVisito
 /// Ranges, with the exponents of two between which numbers are drawn.
 const RANGES: [(&str, f64, f64); 2] = [("1 to 2", 0.0, 1.0), ("2^-100 to 2^100", -100.0, 100.0)];
 
-/// Largest relative error of the estimate that was published for one maker of CPUs.
+/// Published largest relative error of the estimate, for the CPUs of one maker.
 const NOTED_ESTIMATE: f64 = 3.0e-4;
 
 pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
     ReciprocalModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
-/// Measures the formula that it is called with.
+/// Visitor that measures a formula.
 struct Measured<'a> {
     plan: &'a Plan,
     model: ReciprocalModel,
@@ -53,7 +53,7 @@ fn tally<F: Reciprocal>(plan: &Plan, number: usize, low: f64, high: f64) -> Tall
         let got = F::of(x);
         for k in 0..8 {
             tally.asked += 1;
-            // A quotient of `f32` numbers in `f64` is exact to 2^-53 of itself.
+            // A quotient of `f32` numbers in `f64` has a relative error of at most 2^-53.
             let want = 1.0 / f64::from(x.lane(k));
             let off = (f64::from(got.lane(k)) - want).abs();
             tally.add(off / f64::from(ulp(want as f32)), off / want, Some(off / want));

@@ -18,7 +18,7 @@ impl Answer for Vector {
     }
 }
 
-/// The slides' matrix, made for each ray anew.
+/// The slides' matrix, computed anew for each ray.
 #[derive(Clone, Copy)]
 struct Matrix;
 

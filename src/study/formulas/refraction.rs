@@ -52,10 +52,10 @@ const RANGES: [Range; 28] = [
     Range::new("air to glass at 85 degrees", 1.0, 1.5, Angles::At(85.0)),
 ];
 
-/// Ranges of [`NOTED`]; the others are of single angles into water, then into glass.
+/// Number of ranges in [`NOTED`]. The others are of single angles, first into water, then into glass.
 const GENERAL: usize = NOTED.len();
 
-/// Largest errors in radians for the first ranges: stable, trigonometric, Heckbert, Bec, slides.
+/// Published largest errors in radians for the first ranges: stable, trigonometric, Heckbert, Bec, slides.
 const NOTED: [[Option<f64>; 5]; 14] = [
     [Some(1.4e-7), Some(9.6e-6), Some(1.6e-7), Some(1.5e-7), Some(1.5e-7)],
     [None, Some(1.1e-5), Some(1.7e-7), Some(1.7e-7), Some(1.5e-7)],
@@ -79,7 +79,8 @@ const FIRST_ORDER: [Oliveira; 2] = [Oliveira { c: 0.33 }, Oliveira { c: 0.5 }];
 /// Errors in degrees, by angle of incidence.
 type Degrees = [f64; 7];
 
-/// Oliveira's errors in degrees at 10, 20, 30, 45, 60, 75 and 85, into water and into glass, by constant.
+/// Published errors of Oliveira's formula in degrees at 10, 20, 30, 45, 60, 75 and 85, into water and into glass, by
+/// constant.
 const NOTED_OLIVEIRA: [(Oliveira, Option<Degrees>, Option<Degrees>); 5] = [
     (
         Oliveira::AS_PRINTED,
@@ -92,14 +93,14 @@ const NOTED_OLIVEIRA: [(Oliveira, Option<Degrees>, Option<Degrees>); 5] = [
     (Oliveira::GLASS, None, Some([0.64, 1.15, 1.38, 0.85, 1.37, 6.2, 11.3])),
 ];
 
-/// All formulas that the renderer has, and Oliveira's with further constants.
+/// Returns all formulas of the renderer, and Oliveira's with further constants.
 fn models() -> Vec<RefractionModel> {
     let mut models = RefractionModel::compared();
     models.extend(FIRST_ORDER.map(RefractionModel::Oliveira));
     models
 }
 
-/// The largest error in radians that was noted for a formula and a range, if any.
+/// Returns the largest error in radians published for a formula and a range, if any.
 fn noted(model: RefractionModel, range: usize) -> Option<f64> {
     let column = match model {
         RefractionModel::Oliveira(formula) => {
@@ -118,8 +119,8 @@ fn noted(model: RefractionModel, range: usize) -> Option<f64> {
     NOTED.get(range)?[column]
 }
 
-/// Reason for which ours is another figure. What is said of fused products, of indices and of rays near the normal was tried: without
-/// the first, with `f32` indices, and with as many rays as there, the noted figures come out.
+/// Reason why our figure differs from the published one. The reasons were tested: without fused products, with `f32`
+/// indices, or with the same number of rays near the normal, the published figures result.
 fn why(model: RefractionModel, range: usize, worst: f64, noted: f64) -> &'static str {
     match (model, range) {
         _ if range >= GENERAL && (worst - noted).abs() < 2e-4 => "noted to a hundredth of a degree",
@@ -132,7 +133,7 @@ fn why(model: RefractionModel, range: usize, worst: f64, noted: f64) -> &'static
     }
 }
 
-/// Makes a formula answer in every number type.
+/// Visitor that evaluates a formula in every number type.
 struct Boxed;
 
 impl RefractionVisitor for Boxed {

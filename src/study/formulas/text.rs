@@ -2,11 +2,11 @@
 
 use super::{Errors, Formula, Kind};
 
-/// Formulas that a table sets side by side, at most.
+/// Largest number of formulas side by side in a table.
 const ACROSS: usize = 5;
 
-/// Every kind: what its formulas cost and how far off they are in the first range, then the largest error by range, and
-/// where a figure is not what others found.
+/// Returns the tables of every group: times and errors of its formulas in the first range, then the largest error by
+/// range, and the differences from published figures.
 #[must_use]
 pub fn text(formulas: &[Formula]) -> String {
     let mut parts = Vec::new();
@@ -67,7 +67,7 @@ fn costs(kind: Kind, formulas: &[&Formula]) -> String {
     lines.join("\n")
 }
 
-/// The largest error of several formulas in each range.
+/// Returns the largest errors of several formulas in each range.
 fn by_range(kind: Kind, formulas: &[&Formula]) -> String {
     table(&format!("Largest error [{}]", kind.unit()), formulas, |e| small(e.worst.absolute))
 }
@@ -89,12 +89,12 @@ fn table(title: &str, formulas: &[&Formula], cell: impl Fn(&Errors) -> String) -
     lines.join("\n")
 }
 
-/// The head of a narrow column: the number of a formula that has one, else the first letters of its name.
+/// Head of a narrow column: the number in the formula's name, else the first letters of the name.
 fn short(name: &str) -> String {
     name.find('=').map_or(name, |at| &name[at..]).chars().take(7).collect()
 }
 
-/// What to say of a figure that others found differently.
+/// Returns a sentence on a figure that differs from the published one, if it does.
 fn differs(formula: &Formula, errors: &Errors) -> Option<String> {
     let noted = errors.noted.filter(|n| !n.agrees())?;
     let place = format!("  {}, {}:", formula.name, errors.range);

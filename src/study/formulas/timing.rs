@@ -1,29 +1,29 @@
-//! Nanoseconds of a formula: of eight lanes, of one, and of one in `f64`.
+//! Nanoseconds of a formula: in eight lanes, in one, and in one of `f64`.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use crate::measure::Percentiles;
 
-/// What one evaluation takes, in nanoseconds: the median of the rounds, which take turns. Loading the arguments and
-/// storing the result is part of it.
+/// Time of one evaluation in nanoseconds: the median over rounds in which the three versions take turns. It includes
+/// loading the arguments and storing the result.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Time {
     /// Of eight lanes at once.
     pub eight: f64,
-    /// Of one, in `f32`.
+    /// Of one number, in `f32`.
     pub one: f64,
-    /// Of one, in `f64`.
+    /// Of one number, in `f64`.
     pub double: f64,
 }
 
-/// Rounds.
+/// Number of rounds.
 const ROUNDS: usize = 15;
 
-/// What a round takes about, in seconds.
+/// Approximate length of a round, in seconds.
 const ROUND: f64 = 0.001;
 
-/// Times three versions of a formula, each a run over a batch that says how many evaluations it made.
+/// Times three versions of a formula. Each is a run over a batch, which returns the number of evaluations.
 pub(super) fn time(runs: [&mut dyn FnMut() -> usize; 3]) -> Time {
     let [eight, one, double] = runs.map(|run| {
         let mut once = || {
@@ -31,7 +31,7 @@ pub(super) fn time(runs: [&mut dyn FnMut() -> usize; 3]) -> Time {
             let evaluations = black_box(run());
             (start.elapsed().as_secs_f64(), evaluations)
         };
-        // Warm, and then as often as fills a round.
+        // A warm-up, then as many runs as fill a round.
         once();
         let (seconds, _) = once();
         let repeats = (ROUND / seconds.max(1e-8)).ceil().clamp(1.0, 1e6) as usize;

@@ -1,4 +1,4 @@
-//! Ray/triangle tests: what they cost, how far `t` is off, and how many rays slip through a closed mesh.
+//! Ray/triangle tests: their time, the error of `t`, and the share of rays that slip through a closed mesh.
 
 use std::hint::black_box;
 
@@ -12,7 +12,7 @@ use crate::math::{Vector3, ulp};
 use crate::measure::sample::Rng;
 use crate::simd::{F32x8, Vec3x8};
 
-/// What rays are aimed at.
+/// Target of rays.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
     Anywhere,
@@ -20,8 +20,8 @@ enum Target {
     Edges,
 }
 
-/// A range: its name, whether the mesh has bumps, where it stands, what is aimed at, and the share of rays that slipped
-/// through elsewhere: Möller-Trumbore and Plücker (with its ulp).
+/// Range: name, bumps, position and target of the mesh. The last field is the share of rays that slipped through in
+/// published measurements: Möller-Trumbore and Plücker (with its ulp).
 struct Range {
     name: &'static str,
     bumps: bool,
@@ -30,7 +30,7 @@ struct Range {
     noted: [f64; 2],
 }
 
-/// Where Embree's own tests put their meshes.
+/// Position of the meshes in Embree's own tests.
 const FAR: Vec3 = Vec3::new(148_376.0, 1_234.0, -223_423.0);
 
 const RANGES: [Range; 9] = [
@@ -49,7 +49,7 @@ pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
     TriangleModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
-/// Measures the test that it is called with.
+/// Visitor that measures a test.
 struct Measured<'a> {
     plan: &'a Plan,
     model: TriangleModel,
@@ -73,7 +73,7 @@ impl TriangleVisitor for Measured<'_> {
     }
 }
 
-/// Share of rays that a test lost elsewhere. The watertight tests lost none anywhere.
+/// Published share of rays that a test lost. The watertight tests lost none anywhere.
 fn noted(model: TriangleModel, range: &Range) -> Option<f64> {
     match model {
         TriangleModel::MollerTrumbore => Some(range.noted[0]),
@@ -83,8 +83,9 @@ fn noted(model: TriangleModel, range: &Range) -> Option<f64> {
     }
 }
 
-/// Reason for which our share is another one. Each was tried: without fused products Möller-Trumbore loses 5 to 10 % here, too; with
-/// directions of unit length it loses rays far from the origin; from the very centre Plücker loses none at corners.
+/// Reason why our share differs from the published one. Each was tested. Without fused products Möller-Trumbore loses 5
+/// to 10 % here, too. With directions of unit length it loses rays far from the origin. From the exact centre Plücker
+/// loses none at corners.
 fn why(model: TriangleModel, range: &Range) -> &'static str {
     if range.centre == FAR {
         "aimed exactly: corner less start is exact there"
@@ -95,7 +96,7 @@ fn why(model: TriangleModel, range: &Range) -> &'static str {
     }
 }
 
-/// Triangles eight at a time.
+/// Triangles packed in groups of eight.
 struct Packed {
     corners: Vec<[Vec3x8; 3]>,
 }
@@ -126,7 +127,7 @@ fn ball(bumps: bool, centre: Vec3) -> TriMesh {
         let ring = if stack == 0 || stack == N { 0.0 } else { theta.sin() };
         centre + r * Vec3::new(ring * phi.cos(), theta.cos(), ring * phi.sin())
     };
-    // One point a pole, so that the mesh is closed to the bit.
+    // One point per pole, so that the mesh is closed to the bit.
     let at = |stack: u32, slice: u32| match stack {
         0 => 0,
         N => 1,
@@ -155,7 +156,7 @@ fn tally<T: TriangleTest>(plan: &Plan, number: usize, range: &Range) -> Tally {
     let packed = Packed::new(&mesh);
     let mut tally = Tally::default();
     for _ in 0..plan.count {
-        // From anywhere well inside.
+        // Origins anywhere well inside.
         let origin = (range.centre.as_dvec3() + rng.direction() * rng.between(0.0, 0.5)).as_vec3();
         let corners = mesh.corners(rng.below(mesh.triangles.len()));
         let dir = match range.target {
@@ -168,7 +169,7 @@ fn tally<T: TriangleTest>(plan: &Plan, number: usize, range: &Range) -> Tally {
     tally
 }
 
-/// One ray, at all triangles.
+/// Traces one ray against all triangles.
 fn shoot<T: TriangleTest>(packed: &Packed, mesh: &TriMesh, origin: Vec3, dir: Vec3, tally: &mut Tally) {
     let ray = T::prepare::<F32x8>(Vec3x8::splat(origin), Vec3x8::splat(dir));
     let exact = Watertight::prepare::<f64>(origin.as_dvec3().into(), dir.as_dvec3().into());
@@ -196,7 +197,7 @@ fn shoot<T: TriangleTest>(packed: &Packed, mesh: &TriMesh, origin: Vec3, dir: Ve
     tally.settled += u64::from(settled);
 }
 
-/// A ray made ready for a test, and the corners of a triangle.
+/// Ray prepared for a test, and the corners of a triangle.
 type Pair<T, R> = (<T as TriangleTest>::Ray<R>, [Vector3<R>; 3]);
 
 fn timed<T: TriangleTest>() -> Time {
@@ -211,7 +212,7 @@ fn timed<T: TriangleTest>() -> Time {
         }
         PASSES * pairs.len()
     }
-    // One ray in two meets its triangle, by turns that no branch predictor learns.
+    // One ray in two hits its triangle, in an order that no branch predictor learns.
     let mut rng = Rng::new("formulas: triangles, timed", 0);
     let mut pair = || {
         let corners: [DVec3; 3] = std::array::from_fn(|_| rng.direction());
@@ -226,7 +227,7 @@ fn timed<T: TriangleTest>() -> Time {
     let narrow = |v: DVec3| Vector3::<f32>::from(v.as_vec3());
     let ones: Vec<_> =
         drawn.iter().map(|&(o, d, c)| (T::prepare::<f32>(narrow(o), narrow(d)), c.map(narrow))).collect();
-    // A ray at eight triangles, as in the leaf of a hierarchy.
+    // One ray against eight triangles, as in the leaf of a hierarchy.
     let eights: Vec<_> = drawn
         .as_chunks::<8>()
         .0

@@ -5,9 +5,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glam::Vec3;
 
+use super::Plan;
+use super::candidate::Candidate;
 use super::meshes::opaque;
+use super::tally::Tally;
 use super::tally::Worst;
-use super::{Candidate, Plan, Tally};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::{Geometry, GeometryMask, Ray, Shape, Sphere, TriMesh};

@@ -3,7 +3,9 @@
 
 use glam::Vec3;
 
-use super::{Candidate, Plan, Tally};
+use super::Plan;
+use super::candidate::Candidate;
+use super::tally::Tally;
 use crate::Result;
 use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
 use crate::render::{Observer, Options, render};

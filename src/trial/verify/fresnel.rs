@@ -1,6 +1,7 @@
 //! Unpolarised reflectance in eight lanes, as the renderer computes it, against the oracle.
 
-use super::{Plan, Tally};
+use super::Plan;
+use super::tally::Tally;
 use crate::math::FUSED;
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, Exact, FresnelFormula, oracle};

@@ -3,8 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::Plan;
+use super::candidate::{Candidate, NamedAccel};
 use super::meshes::{Closed, opaque, unit};
-use super::{Candidate, NamedAccel, Plan, Tally};
+use super::tally::Tally;
 use crate::Result;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, Sphere};

@@ -3,8 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::Plan;
+use super::candidate::Candidate;
 use super::meshes::{Closed, Pair, exact_edge_points, opaque};
-use super::{Candidate, Plan, Tally};
+use super::tally::Tally;
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::Ray;

@@ -1,7 +1,8 @@
 //! Exact properties of the optics: equal indices, division of light, and one lane against eight.
 
+use super::Plan;
 use super::fresnel::{INDEX_PAIRS, cosine, critical_cosine};
-use super::{Plan, Tally};
+use super::tally::Tally;
 use crate::math::{Real, Vector3};
 use crate::measure::sample::Rng;
 use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, Schlick, reflect};

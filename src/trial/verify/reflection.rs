@@ -2,7 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Plan, Tally};
+use super::Plan;
+use super::tally::Tally;
 use crate::measure::sample::Rng;
 use crate::optics::{oracle, reflect};
 

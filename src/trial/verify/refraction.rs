@@ -3,7 +3,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{Plan, Tally};
+use super::Plan;
+use super::tally::Tally;
 use crate::math::FUSED;
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, oracle};

@@ -3,8 +3,12 @@
 
 use glam::{DVec3, Vec3};
 
+use super::candidate::{Candidate, NamedAccel};
+use super::group::Group;
 use super::self_hits::{Leaving, leaving};
-use super::{Candidate, Finding, Group, NamedAccel, Place, Plan, Tally, in_batches, timed};
+use super::tally::Tally;
+use super::trouble::Place;
+use super::{Finding, Plan, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};

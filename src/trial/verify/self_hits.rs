@@ -3,8 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::Plan;
+use super::candidate::Candidate;
 use super::meshes::{Closed, Pair, of_triangles, opaque};
-use super::{Candidate, Plan, Tally};
+use super::tally::Tally;
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, Spot};

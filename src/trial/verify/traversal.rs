@@ -4,8 +4,10 @@ use std::collections::HashSet;
 
 use glam::{DVec3, Vec3};
 
+use super::Plan;
+use super::candidate::Candidate;
 use super::meshes::{Closed, of_triangles, opaque, unit};
-use super::{Candidate, Plan, Tally};
+use super::tally::Tally;
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Reference, Verdict};

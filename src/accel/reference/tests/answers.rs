@@ -1,4 +1,4 @@
-//! What rays meet.
+//! Hits of rays with known answers.
 
 use glam::{DVec3, Vec3};
 

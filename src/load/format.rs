@@ -1,0 +1,41 @@
+//! Model formats: the choice of a reader by a file's name.
+
+use std::path::Path;
+
+use super::assembly::Assembly;
+use super::request::Request;
+use super::{obj, ply, stl};
+use crate::Result;
+
+/// Endings of the names of model files, for messages.
+pub(super) const ENDINGS: &str = ".obj, .ply, .stl";
+
+/// Format of a model file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Obj,
+    Ply,
+    Stl,
+}
+
+impl Format {
+    /// Returns the format that the file's name ends in.
+    pub(super) fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "obj" => Some(Self::Obj),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            _ => None,
+        }
+    }
+
+    /// Reads a model of this format into the scene. Returns the names of its materials.
+    pub(super) fn load(self, path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<Vec<String>> {
+        let unnamed = |()| Vec::new();
+        match self {
+            Self::Obj => obj::load(path, request, assembly),
+            Self::Ply => ply::load(path, request, assembly).map(unnamed),
+            Self::Stl => stl::load(path, request, assembly).map(unnamed),
+        }
+    }
+}
