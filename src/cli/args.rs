@@ -2,6 +2,7 @@
 //! [`super::options`].
 
 pub(super) mod effects;
+pub(super) mod model;
 pub(super) mod numbers;
 pub(super) mod optics;
 pub(super) mod settings;
@@ -14,14 +15,17 @@ use clap::{Args, Parser, Subcommand};
 pub(super) use super::bench::args::BenchArgs;
 pub(super) use super::compare::args::CompareArgs;
 pub(super) use super::explain::args::ExplainArgs;
+pub(super) use super::info::args::InfoArgs;
 pub(super) use super::map::args::MapArgs;
 pub(super) use super::parity::args::ParityArgs;
 pub(super) use super::pixel::args::PixelArgs;
 pub(super) use super::price::args::PriceArgs;
 pub(super) use super::render::args::RenderArgs;
+pub(super) use super::scene::args::SceneArgs;
 pub(super) use super::verify::args::VerifyArgs;
 use crate::simd::level;
 pub(super) use effects::EffectArgs;
+pub(super) use model::ModelArgs;
 pub(super) use optics::OpticsArgs;
 pub(super) use settings::SettingsArgs;
 pub(super) use strict::StrictArg;
@@ -48,6 +52,8 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArgs),
+    Info(InfoArgs),
+    Scene(SceneArgs),
     Explain(ExplainArgs),
     Compare(CompareArgs),
     Parity(ParityArgs),

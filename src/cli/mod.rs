@@ -9,6 +9,7 @@ mod compare;
 mod doctor;
 mod explain;
 mod formulas;
+mod info;
 mod interrupt;
 mod map;
 mod metadata;
@@ -19,6 +20,7 @@ mod pixel;
 mod price;
 mod progress;
 mod render;
+mod scene;
 mod summary;
 mod systems;
 mod table;
@@ -87,6 +89,8 @@ fn failed(e: &Error) -> ExitCode {
 fn run(cli: Cli) -> Result<Verdict> {
     match cli.command {
         Command::Render(args) => render::run(options::Render::try_from(args)?),
+        Command::Info(args) => info::run(args),
+        Command::Scene(args) => scene::run(args),
         Command::Explain(args) => explain::run(&options::Explain::try_from(args)?),
         Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
         Command::Parity(args) => parity::run(&options::Parity::from(args)),

@@ -3,6 +3,7 @@
 pub(super) mod choices;
 pub(super) mod effects;
 pub(super) mod picture;
+pub(super) mod reading;
 
 use std::path::Path;
 
@@ -19,6 +20,7 @@ pub(super) use super::verify::options::Verify;
 use crate::image::{Destination, Format};
 use crate::{Error, Result};
 pub(super) use picture::{Overrides, SmallPicture};
+pub(super) use reading::Reading;
 
 /// Devices and pipes seldom have an extension; they get PNG.
 pub(super) fn format_of(output: &Destination) -> Result<Format> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::assembly::Assembly;
-use super::request::Request;
+use super::request::{Request, UNNAMED};
 use super::{obj, ply, stl};
 use crate::Result;
 
@@ -31,7 +31,7 @@ impl Format {
 
     /// Reads a model of this format into the scene. Returns the names of its materials.
     pub(super) fn load(self, path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<Vec<String>> {
-        let unnamed = |()| Vec::new();
+        let unnamed = |()| vec![String::from(UNNAMED)];
         match self {
             Self::Obj => obj::load(path, request, assembly),
             Self::Ply => ply::load(path, request, assembly).map(unnamed),

@@ -6,12 +6,14 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
+use super::bare::{ModelLight, ModelOptions};
 use super::extent::WIDEST;
 use super::format::Format;
+use super::origin::Frame;
 use super::request::Request;
-use super::transform::Transform;
 use super::{LoadOptions, Loaded};
 use crate::geometry::{Aabb, Shape};
+use crate::scene::ranges::LEAST_SINE_OF_UP;
 use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb, Scene};
 use crate::{Error, Result};
 
@@ -22,49 +24,76 @@ const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
 /// Reads a model and builds a scene around it.
 pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result<Loaded> {
+    let model = &options.model;
     let mut assembly = Assembly::new(path, options)?;
+    let mut replace = Vec::with_capacity(model.materials.len());
+    for (name, surface) in &model.materials {
+        let material = surface.material(name, &mut assembly);
+        replace.push((name.clone(), assembly.add_material(material)?));
+    }
     let request = Request {
         name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         material: None,
-        replace: &[],
-        smooth: None,
+        replace: &replace,
+        smooth: model.smooth,
         flip: false,
-        transform: Transform::IDENTITY,
+        transform: model.up.transform(),
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
-    format.load(path, &request, &mut assembly)?;
-    assembly.settle(None)?;
-    assembly.scene.camera = fitted(&bounds(&assembly.scene));
+    let names = format.load(path, &request, &mut assembly)?;
+    if let Some(fault) = request.not_replaced(&names) {
+        return Err(Error::Usage(format!("--material: {}: {fault}", path.display())));
+    }
+    let frame = assembly.settle(None)?;
+    assembly.scene.camera = camera(&bounds(&assembly.scene), model, frame)?;
     assembly.scene.lights = lights(assembly.scene.camera.eye);
-    assembly.scene.environment = Environment::Gradient {
-        nadir: Rgb::splat(0.2),
-        horizon: Rgb::new(0.8, 0.85, 0.9),
-        zenith: Rgb::new(0.3, 0.45, 0.75),
+    if !model.lights.is_empty() {
+        let at = |(i, light): (usize, &ModelLight)| Light {
+            name: format!("light {}", i + 1),
+            kind: LightKind::Point { position: frame.local(light.position).as_vec3() },
+            intensity: Rgb::splat(light.intensity),
+            falloff: Falloff::None,
+            shadows: true,
+        };
+        assembly.scene.lights = model.lights.iter().enumerate().map(at).collect();
+    }
+    assembly.scene.environment = match (&model.background, &model.environment) {
+        (Some(colour), _) => Environment::Constant(*colour),
+        (None, Some(file)) => Environment::LatLong { texture: assembly.picture(file)?, scale: Rgb::ONE, rotation: 0.0 },
+        (None, None) => Environment::Gradient {
+            nadir: Rgb::splat(0.2),
+            horizon: Rgb::new(0.8, 0.85, 0.9),
+            zenith: Rgb::new(0.3, 0.45, 0.75),
+        },
     };
-    assembly
-        .reporter
-        .default_used("a camera fitted to the model, a key light, two weak ones that leave no side black, and a sky");
+    assembly.reporter.default_used(
+        "a camera fitted to the model, a key light, two weak ones that leave no side black, and a sky, as far as no option \
+         replaces them",
+    );
     Ok(assembly.finish())
 }
 
-/// Returns a three-quarter view that contains the bounding box's sphere at any size.
-fn fitted(bounds: &Aabb) -> Camera {
+/// Returns the camera: a three-quarter view of the bounding box's sphere, as far as the options do not place it.
+fn camera(bounds: &Aabb, model: &ModelOptions, frame: Frame) -> Result<Camera> {
     let (lo, hi) = (bounds.lo.as_dvec3(), bounds.hi.as_dvec3());
-    let centre = (lo + hi) * 0.5;
     let radius = (hi - lo).length() * 0.5;
-    if !(radius > 0.0 && radius.is_finite()) {
+    let seen = radius > 0.0 && radius.is_finite();
+    if !seen && model.eye.is_none() && model.target.is_none() {
         // Nothing is visible.
-        return Camera::default();
+        return Ok(Camera::default());
     }
-    let distance = 1.05 * radius / (f64::from(VFOV).to_radians() * 0.5).sin();
-    Camera {
-        eye: (centre + TOWARDS_CAMERA.normalize() * distance).as_vec3(),
-        target: centre.as_vec3(),
-        up: Vec3::Y,
-        projection: Projection::Pinhole { vfov: VFOV },
-        medium: None,
-    }
+    let vfov = model.fov.map_or(VFOV, |fov| fov as f32);
+    let centre = if seen { (lo + hi) * 0.5 } else { DVec3::ZERO };
+    let target = model.target.map_or(centre, |p| frame.local(p));
+    let distance = 1.05 * if seen { radius } else { 1.0 } / (f64::from(vfov).to_radians() * 0.5).sin();
+    let eye = model.eye.map_or(target + TOWARDS_CAMERA.normalize() * distance, |p| frame.local(p));
+    let (eye, target) = (eye.as_vec3(), target.as_vec3());
+    let Some(view) = (target - eye).as_dvec3().try_normalize() else {
+        return Err(Error::Usage(String::from("--eye: the camera stands at what it looks at; move it, or --target")));
+    };
+    let up = if view.cross(DVec3::Y).length() < LEAST_SINE_OF_UP { Vec3::NEG_Z } else { Vec3::Y };
+    Ok(Camera { eye, target, up, projection: Projection::Pinhole { vfov }, medium: None })
 }
 
 /// Direction of the key light: over the camera's left shoulder.
@@ -89,6 +118,15 @@ fn lights(eye: Vec3) -> Vec<Light> {
         shadows: false,
     };
     vec![far("key", KEY, 0.8, true), at_eye, far("back", -KEY, 0.15, false)]
+}
+
+/// Returns the direction of one of the usual lights before it was normalised.
+pub(super) fn direction_of(light: &str) -> Option<DVec3> {
+    match light {
+        "key" => Some(KEY),
+        "back" => Some(-KEY),
+        _ => None,
+    }
 }
 
 /// Share of the whole extent above which a triangle is wide.

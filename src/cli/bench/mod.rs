@@ -10,8 +10,8 @@ use std::sync::atomic::Ordering;
 use super::options::{Bench, refuse_input};
 use super::{Verdict, interrupt, output, progress, view};
 use crate::accel::embree;
+use crate::load::Loaded;
 use crate::load::shapes::{self, Wave};
-use crate::load::{self, LoadOptions, Loaded};
 use crate::measure::Machine;
 use crate::render::Observer;
 use crate::scene::Scene;
@@ -76,7 +76,7 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
 
 /// Reads the shapes of one file.
 fn subject(path: &Path, job: &Bench) -> Result<Subject> {
-    let Loaded { scene, .. } = load::scene(path, &LoadOptions::default())?;
+    let Loaded { scene, .. } = job.reading.load(path, false)?;
     if let Some(page) = &job.html {
         refuse_input("--html", page.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     }
@@ -91,7 +91,7 @@ fn subject(path: &Path, job: &Bench) -> Result<Subject> {
 /// Times whole pictures.
 fn frames(job: &Bench, machine: Machine, observer: &Observer) -> Result<Verdict> {
     let load = |path: &PathBuf| -> Result<(String, Scene)> {
-        let Loaded { mut scene, .. } = load::scene(path, &LoadOptions::default())?;
+        let Loaded { mut scene, .. } = job.reading.load(path, false)?;
         scene.settings.samples = 1;
         Ok((name_of(path), scene))
     };

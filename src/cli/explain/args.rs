@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use crate::cli::args::{EffectArgs, StrictArg};
+use crate::cli::args::{EffectArgs, ModelArgs, StrictArg};
 use crate::cli::options::SmallPicture;
 
 /// Say which effects a scene calls for, and why; with --measure, what each is worth.
@@ -21,6 +21,9 @@ picture over that without the effect (the median over the rounds), `rmse` and
 pub(in crate::cli) struct ExplainArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Render with and without each effect
     #[arg(long)]

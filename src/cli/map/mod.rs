@@ -13,7 +13,7 @@ use super::options::{Exposure, Map, refuse_input};
 use super::{Verdict, backend, interrupt, metadata, output, progress};
 use crate::accel::BuildQuality;
 use crate::image::{self, Bits, Encoding, MOST_PIXELS};
-use crate::load::{self, LoadOptions, Loaded};
+use crate::load::Loaded;
 use crate::render::Observer;
 use crate::scene::{Camera, Projection};
 use crate::{Error, Result};
@@ -22,7 +22,7 @@ use crate::{Error, Result};
 pub(super) fn run(job: &Map) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let Loaded { mut scene, .. } = load::scene(&job.scene, &LoadOptions::default())?;
+    let Loaded { mut scene, .. } = job.reading.load(&job.scene, false)?;
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let eye = ((job.at - scene.origin) / scene.unit()).as_vec3();
     if !eye.is_finite() {

@@ -17,7 +17,7 @@ use super::options::{Pixel, refuse_input};
 use super::{Verdict, interrupt, output};
 use crate::accel::reference::Reference;
 use crate::accel::{Accel, BuildOptions};
-use crate::load::{self, LoadOptions, Loaded};
+use crate::load::Loaded;
 use crate::render::record::Tree;
 use crate::render::reference::Prepared;
 use crate::render::{self, Observer};
@@ -48,7 +48,7 @@ struct Findings<'a> {
 pub(super) fn run(job: &Pixel) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let Loaded { mut scene, .. } = load::scene(&job.scene, &LoadOptions::default())?;
+    let Loaded { mut scene, .. } = job.reading.load(&job.scene, false)?;
     job.overrides.apply(&mut scene.settings)?;
     check(job, &scene)?;
     if let Some(svg) = &job.svg {

@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
+use crate::cli::args::ModelArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::cli::formulas::args::FormulasArgs;
@@ -36,6 +37,9 @@ pub(in crate::cli) struct PriceArgs {
     /// Scene (.toml) or model (.obj)
     #[arg(required_unless_present = "formulas", conflicts_with = "formulas")]
     pub scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Folder for the report; made where it is missing
     #[arg(short, long, value_name = "DIR", required_unless_present = "formulas", conflicts_with = "formulas")]

@@ -10,7 +10,6 @@ use super::options::Price;
 use super::{Verdict, backend, interrupt, output, progress};
 use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
-use crate::load::{self, LoadOptions};
 use crate::measure::Machine;
 use crate::render::{self, Observer};
 use crate::study::html::{self, Pair, References};
@@ -23,7 +22,7 @@ use crate::{Error, Result};
 pub(super) fn run(job: Price) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let mut scene = load::scene(&job.scene, &LoadOptions::default())?.scene;
+    let mut scene = job.reading.load(&job.scene, false)?.scene;
     scene.settings.samples = job.samples;
     backend::start_threads(&render::Options { threads: job.threads, ..render::Options::default() })?;
     let subject = Subject {

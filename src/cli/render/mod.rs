@@ -15,7 +15,7 @@ use super::unmatched::Unmatched;
 use super::warnings::{self, Warnings};
 use super::{Verdict, budget, interrupt, metadata, output, progress};
 use crate::image::{self, Encoding, Film};
-use crate::load::{self, LoadOptions, LoadReport, Loaded};
+use crate::load::{LoadReport, Loaded};
 use crate::notices;
 use crate::render::Observer;
 use crate::scene::Scene;
@@ -29,8 +29,7 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     interrupt::listen(&observer)?;
 
     let start = Instant::now();
-    let Loaded { mut scene, report } =
-        load::scene(&job.scene, &LoadOptions { strict: job.strict, ..LoadOptions::default() })?;
+    let Loaded { mut scene, report } = job.reading.load(&job.scene, job.strict)?;
     job.overrides.apply(&mut scene.settings)?;
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
