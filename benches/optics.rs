@@ -207,9 +207,9 @@ fn directions(c: &mut Criterion) {
 
 /// Errors of the formulas, printed beside their times.
 fn errors(_: &mut Criterion) {
-    use vitrum::study::formulas::{Kind, Plan, measure, text};
-    let kinds = vec![Kind::Refraction, Kind::Fresnel, Kind::Reflection, Kind::Reciprocal];
-    let plan = Plan { count: 20_000, time: false, kinds };
+    use vitrum::study::formulas::{FormulaKind, FormulaPlan, measure, text};
+    let kinds = vec![FormulaKind::Refraction, FormulaKind::Fresnel, FormulaKind::Reflection, FormulaKind::Reciprocal];
+    let plan = FormulaPlan { count: 20_000, time: false, kinds };
     println!("{}", text(&measure(&plan, || true).expect("nobody interrupts a benchmark")));
 }
 

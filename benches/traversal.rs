@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use vitrum::accel::{BuildQuality, embree};
-use vitrum::trial::agree::{Finding, Judge};
+use vitrum::trial::agree::{Disagreement, Judge};
 use vitrum::trial::run::{Built, check};
 use vitrum::trial::team::Team;
 use vitrum::trial::{Picture, View, Watch, rays};
@@ -35,12 +35,12 @@ fn traversal(c: &mut Criterion) {
         for set in &sets {
             let watch = Watch { done: &done, stop: &stop };
             let findings = check(&mut contenders, set, &team, &judge, &watch).expect("nobody interrupts");
-            assert!(!findings.iter().any(Finding::refuses), "the contenders do not find the same: {findings:?}");
+            assert!(!findings.iter().any(Disagreement::refuses), "the contenders do not find the same: {findings:?}");
             group.throughput(Throughput::Elements(set.count as u64));
             for contender in &mut contenders {
                 let label = contender.label();
                 group.bench_function(
-                    format!("{}/{}/{}", set.kind.name(), label.backend.mode_name(), label.mode),
+                    format!("{}/{}/{}", set.kind.name(), label.backend.mode_name(), label.mode.name()),
                     |b| {
                         b.iter_custom(|n| {
                             let mut time = Duration::ZERO;

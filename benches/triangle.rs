@@ -8,7 +8,7 @@ use glam::Vec3;
 use vitrum::geometry::triangle_test::{Lanes, TriangleModel, TriangleTest, TriangleVisitor};
 use vitrum::math::Vector3;
 use vitrum::simd::{F32x8, Vec3x8};
-use vitrum::study::formulas::{Kind, Plan, measure, text};
+use vitrum::study::formulas::{FormulaKind, FormulaPlan, measure, text};
 
 /// Pairs in a batch: few enough for the nearest cache, and a multiple of eight.
 const PAIRS: usize = 64;
@@ -84,7 +84,7 @@ fn triangles(c: &mut Criterion) {
     for model in TriangleModel::ALL {
         model.dispatch(Of(c, model.name()));
     }
-    let plan = Plan { count: 2000, time: false, kinds: vec![Kind::Triangle] };
+    let plan = FormulaPlan { count: 2000, time: false, kinds: vec![FormulaKind::Triangle] };
     println!("{}", text(&measure(&plan, || true).expect("nobody interrupts a benchmark")));
 }
 

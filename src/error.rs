@@ -47,10 +47,88 @@ pub enum Error {
     /// Work that needs more memory than there is.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
+    /// Request that a scene or renderer does not support.
+    #[error("{0}")]
+    Unsupported(#[from] Unsupported),
     /// Interruption by the user (Ctrl-C).
     #[error("interrupted")]
     Interrupted,
 }
+
+/// Reason why a request cannot be met. Its text names no flags; the command line has its own words for each.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unsupported {
+    /// Cut-off with a proven bound in a scene whose medium disperses light.
+    #[error(
+        "a proven cut-off is not possible in scenes whose media disperse light, as `{medium}` does: {}",
+        NEGATIVE_CHANNELS
+    )]
+    ProofWithDispersion {
+        /// Name of the medium.
+        medium: String,
+    },
+    /// Polarisation in a scene whose medium disperses light.
+    #[error("polarisation is not possible in scenes whose media disperse light, as `{medium}` does: {}", ONE_WHITE_RAY)]
+    PolarisationWithDispersion {
+        /// Name of the medium.
+        medium: String,
+    },
+    /// Cut-off with a proven bound in a scene with a light that touches a surface.
+    #[error(
+        "a proven cut-off is not possible: no bound exists on the cut light: `{light}` has inverse-square falloff and \
+         touches object `{object}`{place} to within rounding; move one of them, or give the light falloff = \"none\""
+    )]
+    LightTouchesSurface {
+        /// Name of the light.
+        light: String,
+        /// Name of the object.
+        object: String,
+        /// File and line of the object in brackets, with a space before them; empty if unknown.
+        place: String,
+    },
+    /// Cut-off with a proven bound in a scene whose light has no bound.
+    #[error("a proven cut-off is not possible: the light of this scene adds up beyond all bounds")]
+    UnboundedLight,
+    /// Cut-off with a proven bound in a scene whose lamps are sampled.
+    #[error(
+        "a proven cut-off is not possible: no bound exists on the cut light of emissive shapes and sampled lamps, whose \
+         samples may be brighter than any bound; write lights_from = \"lamps\" and lamps = \"each\" in [render]"
+    )]
+    SampledLight,
+    /// Record of a pixel whose rays carry polarisation or a budget.
+    #[error("the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off")]
+    RecordOfCarried,
+    /// Bound on the error of a picture below the rounding of its values.
+    #[error(
+        "the bound {bound:e} cannot be kept: pictures hold f32 values, which rounds the brightest of this scene \
+         ({brightest:.3}) by up to {rounding:.1e}; take a bound of at least {:.0e}", 2.0 * .rounding
+    )]
+    BoundBelowRounding {
+        /// Bound requested for each channel.
+        bound: f64,
+        /// Largest value of the picture.
+        brightest: f64,
+        /// Largest rounding of that value.
+        rounding: f64,
+    },
+    /// Folder that contains another study.
+    #[error(
+        "{}: holds a study of another scene, other options, another program or another machine; choose another folder",
+        .folder.display()
+    )]
+    AnotherStudy {
+        /// The folder.
+        folder: PathBuf,
+    },
+}
+
+/// Reason why a proven cut-off excludes dispersion.
+pub const NEGATIVE_CHANNELS: &str =
+    "single wavelengths have negative channels, and together weigh more than the white ray they split from";
+
+/// Reason why polarisation excludes dispersion.
+pub const ONE_WHITE_RAY: &str =
+    "reflected light stays one white ray, although each of its wavelengths is polarised differently";
 
 /// Work that exceeds a limit of this machine.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -123,7 +201,7 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Input { .. } | Self::File { .. } | Self::Usage(_) => 2,
+            Self::Input { .. } | Self::File { .. } | Self::Usage(_) | Self::Unsupported(_) => 2,
             Self::Io { .. } => 3,
             Self::Limit(_) | Self::Unavailable(_) | Self::TooLarge(_) => 4,
             Self::Interrupted => 130,
@@ -134,7 +212,10 @@ impl Error {
     /// input and output, and interruptions, are not refusals.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
-        matches!(self, Self::Usage(_) | Self::Limit(_) | Self::Unavailable(_) | Self::TooLarge(_))
+        matches!(
+            self,
+            Self::Usage(_) | Self::Unsupported(_) | Self::Limit(_) | Self::Unavailable(_) | Self::TooLarge(_)
+        )
     }
 
     /// Creates the error of a wrong file.

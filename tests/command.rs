@@ -8,6 +8,7 @@ mod cli;
 mod far;
 mod faults;
 mod limits;
+mod mirrors_cli;
 mod parity;
 mod pixel;
 mod price;

@@ -21,7 +21,7 @@ use vitrum::render::Observer;
 use vitrum::scene::Material;
 use vitrum::trial::parity::{Answers, Query, Set, ask, judge, sets};
 use vitrum::trial::rays::View;
-use vitrum::trial::verify::{self, Group, Plan, UnderTest};
+use vitrum::trial::verify::{self, Group, UnderTest, VerifyPlan};
 
 /// Rays at each mesh.
 const RAYS: usize = 500;
@@ -303,7 +303,7 @@ fn a_slit_narrower_than_45_degrees_is_no_leak() {
     let verdict = Reference::build(&geometry(&mesh)).judge(&through, &Hit::MISS);
     assert!(matches!(verdict, Verdict::Agrees | Verdict::Undecidable(Cause::Crack, _)), "{verdict:?}");
     let scene = scene(mesh);
-    let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(6400) };
+    let plan = VerifyPlan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(6400) };
     let findings = verify::fire_at_scene(
         &UnderTest { backend: Backend::Native, bvh: BuildQuality::Default },
         &scene,
@@ -396,7 +396,7 @@ fn verify_accuses_nobody_at_random_meshes() {
             if mesh.triangles.is_empty() {
                 continue;
             }
-            let plan = Plan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(640) };
+            let plan = VerifyPlan { groups: Group::OF_SCENE.to_vec(), full: false, rays: Some(640) };
             let scene = scene(mesh);
             let name = format!("{boundary:?} {seed}");
             let found = verify::fire_at_scene(

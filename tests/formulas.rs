@@ -5,10 +5,10 @@ use crate::support;
 use glam::Vec3;
 use support::{Rng, shapes};
 use vitrum::math::FUSED;
-use vitrum::study::formulas::{Formula, Kind, Plan, csv, measure, text};
+use vitrum::study::formulas::{Formula, FormulaKind, FormulaPlan, csv, measure, text};
 
-fn measured(kinds: &[Kind], count: usize) -> Vec<Formula> {
-    measure(&Plan { count, time: false, kinds: kinds.to_vec() }, || true).expect("nobody interrupts a test")
+fn measured(kinds: &[FormulaKind], count: usize) -> Vec<Formula> {
+    measure(&FormulaPlan { count, time: false, kinds: kinds.to_vec() }, || true).expect("nobody interrupts a test")
 }
 
 fn worst(formulas: &[Formula], name: &str, range: &str) -> f64 {
@@ -18,7 +18,10 @@ fn worst(formulas: &[Formula], name: &str, range: &str) -> f64 {
 
 #[test]
 fn figures_noted_elsewhere_come_out_within_a_factor_of_two_or_the_reason_is_given() {
-    let formulas = measured(&[Kind::Refraction, Kind::Fresnel, Kind::Reflection, Kind::Reciprocal], 3000);
+    let formulas = measured(
+        &[FormulaKind::Refraction, FormulaKind::Fresnel, FormulaKind::Reflection, FormulaKind::Reciprocal],
+        3000,
+    );
     let (mut agree, mut differ) = (0, 0);
     for formula in &formulas {
         for errors in &formula.ranges {
@@ -43,7 +46,7 @@ fn figures_noted_elsewhere_come_out_within_a_factor_of_two_or_the_reason_is_give
 
 #[test]
 fn formulas_differ_where_theory_says_and_by_as_much() {
-    let formulas = measured(&[Kind::Refraction, Kind::Fresnel], 4000);
+    let formulas = measured(&[FormulaKind::Refraction, FormulaKind::Fresnel], 4000);
     // The stable form keeps its digits one ulp from matched indices, where the others lose them.
     let beside = "1 to 1 + an ulp";
     if FUSED {
@@ -65,7 +68,7 @@ fn formulas_differ_where_theory_says_and_by_as_much() {
 
 #[test]
 fn tight_triangle_tests_lose_no_ray_and_the_others_do_where_they_are_aimed() {
-    let formulas = measured(&[Kind::Triangle], 400);
+    let formulas = measured(&[FormulaKind::Triangle], 400);
     for formula in &formulas {
         for errors in &formula.ranges {
             let lost = errors.misjudged;
@@ -91,9 +94,9 @@ fn tight_triangle_tests_lose_no_ray_and_the_others_do_where_they_are_aimed() {
 
 #[test]
 fn the_tables_are_the_same_in_every_run_fit_eighty_columns_and_hold_every_range() {
-    let formulas = measured(&Kind::ALL, 64);
+    let formulas = measured(&FormulaKind::ALL, 64);
     let table = text(&formulas);
-    assert_eq!(table, text(&measured(&Kind::ALL, 64)));
+    assert_eq!(table, text(&measured(&FormulaKind::ALL, 64)));
     for line in table.lines() {
         assert!(line.chars().count() <= 80, "{line}");
     }
@@ -103,7 +106,7 @@ fn the_tables_are_the_same_in_every_run_fit_eighty_columns_and_hold_every_range(
 
 #[test]
 fn what_is_timed_takes_some_time() {
-    let plan = Plan { count: 8, time: true, kinds: vec![Kind::Reciprocal] };
+    let plan = FormulaPlan { count: 8, time: true, kinds: vec![FormulaKind::Reciprocal] };
     for formula in measure(&plan, || true).expect("nobody interrupts a test") {
         let time = formula.time.expect("it was timed");
         assert!(time.eight > 0.0 && time.one > 0.0 && time.double > 0.0, "{}: {time:?}", formula.name);

@@ -10,6 +10,8 @@
 mod command;
 #[path = "fuzz/entry.rs"]
 mod entry;
+#[path = "support/gltf.rs"]
+mod gltf;
 #[path = "fuzz/models.rs"]
 mod models;
 #[path = "fuzz/mutate.rs"]
@@ -158,6 +160,14 @@ fn broken_models_are_survived() {
 }
 
 #[test]
+fn broken_gltf_models_are_survived() {
+    let seeds = [gltf::rich().text().into_bytes(), gltf::rich().binary()];
+    for seed in &seeds {
+        attack(Kind::Gltf, std::slice::from_ref(seed), executions(4000, 0.1));
+    }
+}
+
+#[test]
 fn broken_ply_models_are_survived() {
     attack(Kind::Ply, &models::ply(), executions(4000, 0.1));
 }
@@ -200,6 +210,7 @@ fn what_was_found_once_is_survived_still() {
             Some("toml") => Kind::Scene,
             Some("obj") => Kind::Model,
             Some("mtl") => Kind::Material,
+            Some("gltf") => Kind::Gltf,
             Some("ply") => Kind::Ply,
             Some("stl") => Kind::Stl,
             _ => Kind::Picture,

@@ -14,7 +14,7 @@ use vitrum::accel::{Backend, Coherence, Intersector};
 use vitrum::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, TriMesh};
 use vitrum::load::{self, shapes};
 use vitrum::trial::View;
-use vitrum::trial::parity::{Answers, Query, Records, Set, Tally, ask, judge, sets};
+use vitrum::trial::parity::{Answers, Query, Records, Set, VerdictCounts, ask, judge, sets};
 use vitrum::trial::rays::bounds;
 
 /// The real models that are traced.
@@ -131,11 +131,11 @@ fn same(a: &Hit, b: &Hit) -> bool {
 }
 
 /// Traces `count` rays of each kind by every kernel and holds the answers against the arbiter.
-fn native_is_never_wrong(world: &World, count: usize) -> Tally {
+fn native_is_never_wrong(world: &World, count: usize) -> VerdictCounts {
     let World { name, geometry, view } = world;
     let reference = Reference::build(geometry);
     let accel = backends::native(geometry);
-    let mut sum = Tally::default();
+    let mut sum = VerdictCounts::default();
     for set in sets(&reference, geometry, view, count) {
         let answers = ask(&accel, &set.rays, set.coherence);
         for (kernel, held) in accel.by_kernel().into_iter().chain([("auto", accel.clone())]) {
@@ -188,7 +188,7 @@ fn the_parameter_is_right(what: &str, geometry: &[Geometry], reference: &Referen
     }
 }
 
-fn report(name: &str, tally: &Tally) {
+fn report(name: &str, tally: &VerdictCounts) {
     say(&format!(
         "{name}: {} of {} answers undecidable (edge, tie, interval, sliver, crack: {:?}), margins up to {:.3} of their bounds",
         tally.all_undecidable(),
@@ -200,7 +200,7 @@ fn report(name: &str, tally: &Tally) {
 
 #[test]
 fn native_is_never_wrong_on_built_in_shapes() {
-    let mut sum = Tally::default();
+    let mut sum = VerdictCounts::default();
     for world in built_in_worlds() {
         sum.merge(&native_is_never_wrong(&world, 400));
     }
@@ -334,7 +334,7 @@ fn embree_in_robust_mode_is_wrong_at_few_corners_and_next_to_nowhere_else() {
     if !backends::is_there(Backend::Embree) {
         return;
     }
-    let (mut pictured, mut aimed) = (Tally::default(), Tally::default());
+    let (mut pictured, mut aimed) = (VerdictCounts::default(), VerdictCounts::default());
     for World { name, geometry, view } in built_in_worlds().into_iter().chain(models(TEST)) {
         let reference = Reference::build(&geometry);
         let Some(accel) = backends::embree(Backend::Embree, &geometry) else { panic!("{name}") };

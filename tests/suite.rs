@@ -26,6 +26,7 @@ mod reference_renderer;
 mod refraction_models;
 mod render;
 mod scenes;
+mod shine;
 mod slivers;
 mod soft_shadows;
 mod study;

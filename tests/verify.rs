@@ -14,12 +14,12 @@ use vitrum::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray8, Shape};
 use vitrum::load::shapes;
 use vitrum::render::Observer;
 use vitrum::simd::Mask8;
-use vitrum::trial::verify::{self, Candidate, Finding, Group, NamedAccel, Plan, UnderTest};
+use vitrum::trial::verify::{self, Candidate, Group, GroupResult, NamedAccel, UnderTest, VerifyPlan};
 
 const NATIVE: UnderTest = UnderTest { backend: Backend::Native, bvh: BuildQuality::Default };
 
 fn quick(group: Group) {
-    let plan = Plan { groups: vec![group], full: false, rays: None };
+    let plan = VerifyPlan { groups: vec![group], full: false, rays: None };
     let observer = Observer::default();
     let mut findings = verify::fire_at_optics(&plan, &observer).expect("nobody interrupts a test");
     findings.extend(verify::fire_at_path(&NATIVE, &plan, &observer).expect("the native path is there"));
@@ -91,7 +91,7 @@ fn a_hierarchy_of_any_quality_holds() {
     assert!(nodes[0] != nodes[1] && nodes[1] != nodes[2] && nodes[2] != nodes[0], "{nodes:?}");
     // All else tries the default.
     for bvh in [BuildQuality::Fast, BuildQuality::High] {
-        let findings = verify::fire_at_path(&UnderTest { bvh, ..NATIVE }, &Plan::quick(), &Observer::default());
+        let findings = verify::fire_at_path(&UnderTest { bvh, ..NATIVE }, &VerifyPlan::quick(), &Observer::default());
         let findings = findings.expect("the native path is there");
         assert_eq!(findings.len(), 6);
         for f in findings {
@@ -164,8 +164,8 @@ impl Intersector for BrokenAccel {
     }
 }
 
-fn of_broken(fault: Fault, group: Group) -> Finding {
-    let plan = Plan { groups: vec![group], full: false, rays: None };
+fn of_broken(fault: Fault, group: Group) -> GroupResult {
+    let plan = VerifyPlan { groups: vec![group], full: false, rays: None };
     verify::fire_at_path(&Broken(fault), &plan, &Observer::default()).expect("builds").remove(0)
 }
 
@@ -191,7 +191,7 @@ fn a_path_that_is_an_ulp_off_is_caught() {
 fn it_stops_when_told_to() {
     let observer = Observer::default();
     observer.stop.store(true, std::sync::atomic::Ordering::Relaxed);
-    let plan = Plan::quick();
+    let plan = VerifyPlan::quick();
     assert!(matches!(verify::fire_at_path(&NATIVE, &plan, &observer), Err(Error::Interrupted)));
     assert!(matches!(verify::fire_at_optics(&plan, &observer), Err(Error::Interrupted)));
 }
@@ -340,8 +340,8 @@ fn scene_of(mesh: vitrum::geometry::TriMesh) -> vitrum::scene::Scene {
     }
 }
 
-fn at_scene(candidate: &impl Candidate, scene: &vitrum::scene::Scene, group: Group) -> Finding {
-    let plan = Plan { groups: vec![group], full: false, rays: None };
+fn at_scene(candidate: &impl Candidate, scene: &vitrum::scene::Scene, group: Group) -> GroupResult {
+    let plan = VerifyPlan { groups: vec![group], full: false, rays: None };
     verify::fire_at_scene(candidate, scene, "a thing.obj", &plan, &Observer::default()).expect("builds").remove(0)
 }
 
@@ -372,7 +372,7 @@ fn work_at_triangles_that_lie_at_one_place_is_bounded_and_what_is_left_out_is_co
     for mesh in [heap, nested] {
         let scene = scene_of(mesh);
         for group in Group::OF_SCENE {
-            let plan = Plan { groups: vec![group], full: false, rays: Some(6400) };
+            let plan = VerifyPlan { groups: vec![group], full: false, rays: Some(6400) };
             let fire = || {
                 let found = verify::fire_at_scene(&NATIVE, &scene, "heap", &plan, &Observer::default());
                 found.expect("builds").remove(0)
@@ -395,7 +395,7 @@ fn balls_of_any_size_are_as_quick_to_look_at_and_nothing_is_left_out() {
         let mut scene = scene_of(ball);
         scene.camera.eye = glam::Vec3::Z * 4.0 * size;
         for group in Group::OF_SCENE {
-            let plan = Plan { groups: vec![group], full: false, rays: Some(6400) };
+            let plan = VerifyPlan { groups: vec![group], full: false, rays: Some(6400) };
             let found = verify::fire_at_scene(&NATIVE, &scene, "ball", &plan, &Observer::default());
             let found = found.expect("builds").remove(0);
             assert!(found.holds() && found.tally.left_out == 0, "{size:e}, {group:?}: {:#?}", found.tally);

@@ -1,11 +1,27 @@
 //! `vitrum doctor`.
 
-use super::{Verdict, output};
+use clap::Args;
+
+use super::output;
+use super::verdict::Verdict;
 use crate::accel::Backend;
 use crate::accel::embree::{self, Installed};
 use crate::measure::machine;
 use crate::simd::level;
 use crate::{Error, Result};
+
+/// Say what this machine and this build can do, and what is missing.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  vitrum doctor
+  vitrum doctor --json
+
+Exits 4 when this binary cannot run here.")]
+pub(super) struct DoctorArgs {
+    /// Print the findings as JSON
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Advice on the back end. README.md has the measurements.
 const CHOICE: &str = "--backend native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \

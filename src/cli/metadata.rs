@@ -26,6 +26,7 @@ pub(super) fn of(
         ("vitrum:refraction", options.refraction.to_string()),
         ("vitrum:reflection", options.reflection.to_string()),
         ("vitrum:shadows", settings.shadows.to_string()),
+        ("vitrum:lights-from", settings.lights_from.to_string()),
         ("vitrum:exposure", exposure.ev.to_string()),
     ]
     .into_iter()

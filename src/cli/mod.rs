@@ -3,8 +3,8 @@
 mod args;
 mod backend;
 mod bench;
-mod budget;
 mod choice;
+mod command;
 mod compare;
 mod doctor;
 mod explain;
@@ -19,16 +19,18 @@ mod parity;
 mod pixel;
 mod price;
 mod progress;
+mod reflections;
 mod render;
+mod repeat;
 mod scene;
-mod summary;
-mod systems;
 mod table;
 mod unmatched;
 mod usage;
+mod verdict;
 mod verify;
 mod view;
 mod warnings;
+mod wording;
 
 use std::process::ExitCode;
 
@@ -37,19 +39,22 @@ use clap::error::ErrorKind;
 
 use crate::system::threads;
 use crate::{Error, Result};
-use args::{Cli, Command};
+use bench::options::Bench;
+use command::{Cli, Command};
+use compare::options::Compare;
+use explain::options::Explain;
+use formulas::options::Formulas;
+use map::options::Map;
+use parity::options::Parity;
+use pixel::options::Pixel;
+use price::options::Price;
+use reflections::options::Reflections;
+use render::options::Render;
+use verdict::Verdict;
+use verify::options::Verify;
 
-/// Result of a command that met no error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    /// Done, or a check that succeeded.
-    Done,
-    /// A comparison or check that failed.
-    Negative,
-}
-
-/// Runs the program on the process's own arguments, on a thread of its own. An error is one line on standard error; the exit code is
-/// [`crate::Error::exit_code`].
+/// Runs the program on the process's own arguments, on a thread of its own. An error is one line on standard error; the
+/// exit code is [`crate::Error::exit_code`].
 #[must_use]
 pub fn main() -> ExitCode {
     threads::on_own_stack(command).unwrap_or_else(|e| failed(&e))
@@ -88,18 +93,21 @@ fn failed(e: &Error) -> ExitCode {
 
 fn run(cli: Cli) -> Result<Verdict> {
     match cli.command {
-        Command::Render(args) => render::run(options::Render::try_from(args)?),
+        Command::Render(args) => render::run(Render::try_from(args)?),
         Command::Info(args) => info::run(args),
         Command::Scene(args) => scene::run(args),
-        Command::Explain(args) => explain::run(&options::Explain::try_from(args)?),
-        Command::Compare(args) => compare::run(&options::Compare::try_from(args)?),
-        Command::Parity(args) => parity::run(&options::Parity::from(args)),
-        Command::Verify(args) => verify::run(&options::Verify::try_from(args)?),
-        Command::Bench(args) => bench::run(&options::Bench::try_from(args)?),
-        Command::Pixel(args) => pixel::run(&options::Pixel::try_from(args)?),
-        Command::Price(args) if args.formulas.formulas => formulas::run(&options::Formulas::try_from(args)?),
-        Command::Price(args) => price::run(options::Price::try_from(args)?),
-        Command::Map(args) => map::run(&options::Map::try_from(args)?),
+        Command::Explain(args) => explain::run(&Explain::try_from(args)?),
+        Command::Compare(args) => compare::run(&Compare::try_from(args)?),
+        Command::Parity(args) => parity::run(&Parity::from(args)),
+        Command::Verify(args) => verify::run(&Verify::try_from(args)?),
+        Command::Bench(args) => bench::run(&Bench::try_from(args)?),
+        Command::Pixel(args) => pixel::run(&Pixel::try_from(args)?),
+        Command::Price(args) if args.formulas.formulas => {
+            formulas::run(&Formulas::new(args.formulas, args.bvh, args.json)?)
+        }
+        Command::Price(args) if args.reflections.reflections => reflections::run(&Reflections::try_from(args)?),
+        Command::Price(args) => price::run(Price::try_from(args)?),
+        Command::Map(args) => map::run(&Map::try_from(args)?),
         Command::Doctor(args) => doctor::run(args.json),
     }
 }

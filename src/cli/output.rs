@@ -4,6 +4,7 @@
 use std::io::{self, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::wording;
 use crate::{Error, Result};
 
 /// Writes a line to standard error. A failure is ignored, since it cannot be reported.
@@ -16,7 +17,7 @@ pub(super) fn log(line: &str) {
 pub(super) fn log_failure(error: &Error) {
     static LOGGED: AtomicBool = AtomicBool::new(false);
     if !LOGGED.swap(true, Ordering::SeqCst) {
-        log(&format!("error: {}", one_line(&error.to_string())));
+        log(&format!("error: {}", one_line(&wording::message(error))));
     }
 }
 

@@ -97,6 +97,8 @@ mod tests {
             touching: crate::render::TouchingFound::default(),
             planar: None,
             maps: None,
+            images: None,
+            body_maps: None,
             seen: Seen::default(),
         }
     }

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use clap::CommandFactory as _;
 
-use super::args::Cli;
+use super::command::Cli;
 use crate::load::plain_numbers;
 
 /// Largest length of a word that is shown whole, in characters.

@@ -170,11 +170,17 @@ fn shadow_rays(scene: &Scene, reach: &Reach, mut met: impl Iterator<Item = usize
     if !met.any(|o| answers_light(scene, o)) {
         return 0;
     }
-    let casting =
-        scene.lights.iter().zip(&reach.dark).filter(|(l, dark)| l.shadows && l.intensity != Rgb::ZERO && !**dark);
+    let casting = scene
+        .lights
+        .iter()
+        .zip(&reach.dark)
+        .filter(|(l, dark)| l.shadows && l.intensity != Rgb::ZERO && !**dark && !scene.is_sampled(l));
     // An area lamp has its sample points, and four corners for the shaft.
     let points = |l: &Light| if l.kind.is_extended() { scene.settings.lamps.count + 4 } else { 1 };
-    casting.map(|(l, _)| points(l)).sum()
+    let shining = scene.shining();
+    let kinds = u32::from(shining.emitters()) + u32::from(shining.sky);
+    let beside = if scene.settings.shine_shadows { kinds * scene.settings.lamps.count } else { 0 };
+    beside + casting.map(|(l, _)| points(l)).sum::<u32>()
 }
 
 /// Returns the largest number of consecutive surfaces that a ray may pass. A straight line crosses a sphere at most

@@ -19,6 +19,10 @@ crate::choice! {
         "hard-shadows" => HardShadows,
         /// Area lamps shine from their middles.
         "soft-shadows" => SoftShadows,
+        /// Emissive shapes are seen, and light nothing.
+        "emissive-light" => EmissiveLight,
+        /// The environment is seen, and lights nothing.
+        "sky-light" => SkyLight,
         /// Transparent surfaces cast shadows as opaque ones do.
         "shadows-through-glass" => ShadowsThroughGlass,
         /// Mirrors show their base colour alone.

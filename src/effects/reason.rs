@@ -5,7 +5,7 @@ use super::shell::is_closed;
 use super::{Effect, Reach};
 use crate::geometry::contact::Pair;
 use crate::geometry::{Aabb, Shape};
-use crate::scene::{Colour, Environment, FresnelRule, Interface, Material, Rgb, Scene, ShadowRule};
+use crate::scene::{Colour, Environment, FresnelRule, Interface, LightsFrom, Material, Rgb, Scene, ShadowRule};
 
 /// Number of triangles above which a mesh is not tested for open edges.
 const MOST_TRIANGLES: usize = 200_000;
@@ -46,9 +46,11 @@ impl<'a> Facts<'a> {
                 self.surfaces(|m| m.emission != Rgb::ZERO, "shines by itself", "no surface shines by itself")
             }
             Effect::Diffuse => self.lit(|m| m.diffuse != Colour::Constant(Rgb::ZERO), "has a diffuse colour"),
-            Effect::Highlight => self.lit(|m| m.highlight.is_some(), "has a highlight"),
+            Effect::Highlight => self.highlight(),
             Effect::HardShadows => self.shadows(),
             Effect::SoftShadows => self.soft_shadows(),
+            Effect::EmissiveLight => self.emissive_light(),
+            Effect::SkyLight => self.sky_light(),
             Effect::ShadowsThroughGlass => self.shadows_through_glass(),
             Effect::Mirror => self.interfaces(|i| matches!(i, Interface::Mirror { .. }), "is a mirror", "a mirror"),
             Effect::Conductor => self.interfaces(|i| matches!(i, Interface::Conductor { .. }), "is a metal", "a metal"),
@@ -86,9 +88,16 @@ impl<'a> Facts<'a> {
                     (true, format!("rays that meet nothing see {}", scene.textures[texture as usize].name))
                 }
             },
-            Effect::Textures => self.lit(|m| !matches!(m.diffuse, Colour::Constant(_)), "has a textured colour"),
+            Effect::Textures => {
+                let lit = self.lit(|m| !matches!(m.diffuse, Colour::Constant(_)), "has a textured colour");
+                let glow = self.surfaces(|m| m.glow.is_some(), "has a textured emission", "no surface has one");
+                if lit.0 || !glow.0 { lit } else { glow }
+            }
             Effect::InterpolatedNormals => self.objects(
-                |o| matches!(&scene.geometry[o].shape, Shape::Mesh(mesh) if !mesh.normal_indices.is_empty()),
+                |o| {
+                    let relief = material(scene, o).relief.is_some();
+                    matches!(&scene.geometry[o].shape, Shape::Mesh(mesh) if relief || !mesh.normal_indices.is_empty())
+                },
                 "has normals of its own",
                 "every surface has the normal of its shape",
             ),
@@ -166,8 +175,16 @@ impl<'a> Facts<'a> {
     /// Decides on if such surfaces exist and lights reach them.
     fn lit(&self, of: impl Fn(&Material) -> bool, what: &str) -> Answer {
         match self.useful_lights() {
-            Err(why) => (false, why),
-            Ok(_) => self.surfaces(of, what, &format!("no surface {what}")),
+            Err(why) if !self.scene.shining().any() => (false, why),
+            _ => self.surfaces(of, what, &format!("no surface {what}")),
+        }
+    }
+
+    /// Decides on highlights, which the environment does not make.
+    fn highlight(&self) -> Answer {
+        match self.useful_lights() {
+            Err(why) if !self.scene.shining().emissive => (false, why),
+            _ => self.surfaces(|m| m.highlight.is_some(), "has a highlight", "no surface has a highlight"),
         }
     }
 
@@ -190,16 +207,70 @@ impl<'a> Facts<'a> {
     }
 
     fn shadows(&self) -> Answer {
-        let useful = match self.useful_lights() {
-            Ok(useful) => useful,
-            Err(why) => return (false, why),
-        };
-        let Some(&casting) = useful.iter().find(|&&l| self.scene.lights[l].shadows) else {
-            return off("no light casts shadows");
+        let useful = self.useful_lights();
+        let casts = |l: &&usize| self.scene.lights[**l].shadows;
+        let lamp = useful.as_ref().ok().and_then(|useful| useful.iter().find(casts).copied());
+        let shining = self.scene.shining();
+        let what = match (lamp, useful) {
+            (Some(lamp), _) => format!("`{}` casts shadows", self.scene.lights[lamp].name),
+            (None, _) if self.scene.settings.shine_shadows && shining.emissive => {
+                String::from("surfaces cast shadows in the light of emissive shapes")
+            }
+            (None, _) if self.scene.settings.shine_shadows && shining.sky => {
+                String::from("surfaces cast shadows in the light of the environment")
+            }
+            (None, Err(why)) => return (false, why),
+            (None, Ok(_)) => return off("no light casts shadows"),
         };
         match self.answering() {
-            (true, why) => (true, format!("`{}` casts shadows; {why}", self.scene.lights[casting].name)),
+            (true, why) => (true, format!("{what}; {why}")),
             no => no,
+        }
+    }
+
+    fn emissive_light(&self) -> Answer {
+        let scene = self.scene;
+        let Some(first) = (0..scene.objects.len()).find(|&o| scene.can_light(o)) else {
+            let plane = (0..scene.objects.len()).find(|&o| material(scene, o).emission != Rgb::ZERO);
+            return match plane {
+                Some(o) => (
+                    false,
+                    format!("`{}` has no bounds or no cover, so its light cannot be sampled", scene.objects[o].name),
+                ),
+                None => off("no surface shines by itself"),
+            };
+        };
+        let name = &scene.objects[first].name;
+        if !scene.admitted().emissive {
+            return (false, format!("`{name}` shines, but {}", self.not_admitted()));
+        }
+        match self.answering() {
+            (true, why) => (true, format!("`{name}` shines; {why}")),
+            no => no,
+        }
+    }
+
+    fn sky_light(&self) -> Answer {
+        if self.scene.environment == Environment::Constant(Rgb::ZERO) {
+            return off("the environment is black");
+        }
+        if !self.scene.admitted().sky {
+            return (false, self.not_admitted());
+        }
+        let matt = |m: &Material| m.diffuse != Colour::Constant(Rgb::ZERO);
+        self.surfaces(matt, "has a diffuse colour under the environment", "no surface has a diffuse colour")
+    }
+
+    /// Says why a source does not light surfaces.
+    fn not_admitted(&self) -> String {
+        match self.scene.settings.lights_from {
+            LightsFrom::Auto if self.scene.lights.is_empty() => {
+                String::from("the scene has ambient light instead (`lights_from = \"auto\"`)")
+            }
+            LightsFrom::Auto => {
+                String::from("the scene has lamps, which alone light surfaces then (`lights_from = \"auto\"`)")
+            }
+            level => format!("`lights_from = \"{level}\"`"),
         }
     }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{Effect, EffectSet};
 use crate::geometry::{Geometry, Shape};
 use crate::scene::{
-    Colour, Dispersion, Environment, FresnelRule, Interface, LightKind, Rgb, Scene, ShadowRule, Texture,
+    Colour, Dispersion, Environment, FresnelRule, Interface, LightKind, LightsFrom, Rgb, Scene, ShadowRule, Texture,
 };
 
 /// Returns the scene without some effects, as [`Effect::left_out`] describes each. Refraction, total internal
@@ -34,10 +34,15 @@ fn take_out(scene: &mut Scene, effect: Effect) {
     };
     match effect {
         Effect::Ambient => scene.ambient = Rgb::ZERO,
-        Effect::Emission => materials.for_each(|m| m.emission = Rgb::ZERO),
+        Effect::Emission => materials.for_each(|m| (m.emission, m.glow) = (Rgb::ZERO, None)),
         Effect::Diffuse => materials.for_each(|m| m.diffuse = Colour::Constant(Rgb::ZERO)),
         Effect::Highlight => materials.for_each(|m| m.highlight = None),
-        Effect::HardShadows => scene.lights.iter_mut().for_each(|l| l.shadows = false),
+        Effect::HardShadows => {
+            scene.lights.iter_mut().for_each(|l| l.shadows = false);
+            scene.settings.shine_shadows = false;
+        }
+        Effect::EmissiveLight => scene.settings.lights_from = LightsFrom::only(false, scene.admitted().sky),
+        Effect::SkyLight => scene.settings.lights_from = LightsFrom::only(scene.admitted().emissive, false),
         Effect::SoftShadows => {
             for light in &mut scene.lights {
                 if let (true, Some(position)) = (light.kind.is_extended(), light.kind.position()) {
@@ -66,8 +71,12 @@ fn take_out(scene: &mut Scene, effect: Effect) {
         Effect::Absorption => scene.media.iter_mut().for_each(|m| m.absorption = Rgb::ZERO),
         Effect::NestedMedia => scene.media.iter_mut().skip(1).for_each(|m| m.priority = i32::MAX),
         Effect::Environment => scene.environment = Environment::Constant(Rgb::ZERO),
-        Effect::Textures => materials.for_each(|m| m.diffuse = Colour::Constant(mean(&m.diffuse, textures, geometry))),
+        Effect::Textures => materials.for_each(|m| {
+            m.diffuse = Colour::Constant(mean(&m.diffuse, textures, geometry));
+            m.glow = None;
+        }),
         Effect::InterpolatedNormals => {
+            materials.for_each(|m| m.relief = None);
             for geometry in &mut scene.geometry {
                 if let Shape::Mesh(mesh) = &mut geometry.shape {
                     (mesh.normals, mesh.normal_indices) = (Vec::new(), Vec::new());

@@ -37,11 +37,11 @@ pub fn discard_unfinished_at_once() {
 pub struct Destination {
     /// Name as given by the user.
     name: PathBuf,
-    kind: Kind,
+    kind: DestinationKind,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum DestinationKind {
     /// Regular file, existing or not, with symbolic links resolved.
     File { path: PathBuf, permissions: Option<Permissions> },
     /// Device or pipe, which cannot be replaced by renaming.
@@ -66,18 +66,18 @@ impl Destination {
         };
         let kind = match there {
             Some(m) if m.is_dir() => return Err(refuse(io::ErrorKind::IsADirectory, "it is a folder")),
-            Some(m) if !m.is_file() => Kind::Stream,
+            Some(m) if !m.is_file() => DestinationKind::Stream,
             Some(m) if m.permissions().readonly() => {
                 return Err(refuse(io::ErrorKind::PermissionDenied, "it is read-only"));
             }
-            Some(m) => Kind::File {
+            Some(m) => DestinationKind::File {
                 path: std::fs::canonicalize(name).map_err(system)?,
                 permissions: Some(Metadata::permissions(&m)),
             },
-            None => Kind::File { path: end_of_links(name).map_err(system)?, permissions: None },
+            None => DestinationKind::File { path: end_of_links(name).map_err(system)?, permissions: None },
         };
         let destination = Self { name: name.to_path_buf(), kind };
-        if let Kind::File { path, .. } = &destination.kind {
+        if let DestinationKind::File { path, .. } = &destination.kind {
             // A test write is made instead of reading permission bits: disks may also be full or read-only.
             tempfile::tempfile_in(folder_of(path)).map_err(|e| match e.kind() {
                 io::ErrorKind::NotFound if path != name => {
@@ -101,7 +101,7 @@ impl Destination {
     /// Returns true for a device or pipe. Bytes are written to it at once and cannot be taken back.
     #[must_use]
     pub fn is_stream(&self) -> bool {
-        matches!(self.kind, Kind::Stream)
+        matches!(self.kind, DestinationKind::Stream)
     }
 
     /// Writes `bytes` to a temporary file in the same folder, syncs it to the disk, and renames it. Calls `proceed`
@@ -112,7 +112,7 @@ impl Destination {
     /// content.
     pub fn write(&self, bytes: &[u8], proceed: impl FnOnce() -> bool) -> Result<()> {
         let system = |e| Error::io(&self.name, "write", with_cure(without_path(e)));
-        let Kind::File { path, permissions } = &self.kind else {
+        let DestinationKind::File { path, permissions } = &self.kind else {
             if !proceed() {
                 return Err(Error::Interrupted);
             }

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::draft::Draft;
 use super::extent::Extent;
 use super::origin::{self, Frame, Loss};
-use super::pictures::{Picture, Pictures, Use};
+use super::pictures::Pictures;
 use super::report::{Hull, Reporter};
 use super::smooth::{Rule, smooth};
 use super::source::Root;
@@ -17,7 +17,7 @@ use super::winding::{InsideOut, inside_out};
 use super::{LoadOptions, Loaded};
 use crate::geometry::topology::{self, Edges, weld};
 use crate::geometry::{Geometry, Shape};
-use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Scene, Wrap};
+use crate::scene::{Colour, Interface, Material, Medium, Object, Origin, Scene};
 use crate::system::memory;
 use crate::{Error, Result};
 
@@ -30,7 +30,7 @@ pub(super) struct Assembly<'a> {
     pub(super) reporter: Reporter,
     pub(super) options: &'a LoadOptions,
     pub(super) root: Root,
-    pictures: Pictures,
+    pub(super) pictures: Pictures,
     triangles: u64,
     /// Objects whose dielectric mesh is inside out on its own.
     inside_out: Vec<(usize, InsideOut)>,
@@ -92,22 +92,6 @@ impl<'a> Assembly<'a> {
         Ok(self.scene.materials.len() as u32 - 1)
     }
 
-    /// Reads a picture once and returns its index. Its alpha channel is left out with a warning.
-    pub(super) fn picture(&mut self, path: &Path) -> Result<u32> {
-        let known = self.pictures.has(path);
-        let picture = self.picture_for(path, Use::Colour, [Wrap::Repeat; 2])?;
-        if picture.alpha.is_some() && !known {
-            self.reporter.warn(path, 0, "the picture's alpha channel is left out", String::new)?;
-        }
-        Ok(picture.texture)
-    }
-
-    /// Reads a picture once for a use and returns its indices.
-    pub(super) fn picture_for(&mut self, path: &Path, usage: Use, wrap: [Wrap; 2]) -> Result<Picture> {
-        let to = (&mut self.scene, &mut self.reporter);
-        self.pictures.read(path, usage, wrap, self.options.limits, to)
-    }
-
     /// Reserves `count` more triangles.
     ///
     /// # Errors
@@ -156,6 +140,9 @@ impl<'a> Assembly<'a> {
         let bulks: Vec<Extent> = shapes.iter().map(|s| s.draft.bulk()).collect();
         let frame = Frame { origin: origin::choose(&extents, &bulks), unit_exponent };
         (self.scene.origin, self.scene.unit_exponent) = (frame.origin, unit_exponent);
+        if unit_exponent != 0 {
+            self.scene.media.iter_mut().for_each(|m| m.absorption *= frame.unit() as f32);
+        }
         self.warn_of_losses(&shapes, &bulks, frame)?;
         for &(material, corner, size) in &self.checkers {
             if let Some(Colour::Checker { offset, .. }) = self.scene.materials.get_mut(material).map(|m| &mut m.diffuse)

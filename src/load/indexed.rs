@@ -68,7 +68,7 @@ impl Indexed {
             mesh.normals = self.normals;
         }
         mesh.triangles = self.triangles;
-        let mut draft = MeshDraft { corners: self.positions, mesh, smoothing: Vec::new() };
+        let mut draft = MeshDraft { corners: self.positions, mesh, ..MeshDraft::default() };
         draft.round_unless_far();
         Ok((draft, self.lines))
     }

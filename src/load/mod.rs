@@ -1,4 +1,4 @@
-//! Loading of files into a [`Scene`]: scene TOML, models (OBJ with MTL, PLY, STL), pictures, built-in shapes. File formats are defined
+//! Loading of files into a [`Scene`]: scene TOML, models (OBJ with MTL, glTF, PLY, STL), pictures, built-in shapes. File formats are defined
 //! only in this room.
 //!
 //! Wrong input is an error that names file, line and value. Input that is odd but usable is a warning, counted in the
@@ -12,7 +12,9 @@ mod colour;
 mod document;
 mod draft;
 mod extent;
+mod extras;
 mod format;
+mod gltf;
 mod holds;
 mod indexed;
 mod model;
@@ -57,6 +59,8 @@ pub struct LoadOptions {
     pub strict: bool,
     /// Folder that must contain every file a scene names; by default that of the scene file.
     pub root: Option<PathBuf>,
+    /// Name of the camera of a glTF model that is rendered by itself; by default the first one.
+    pub camera: Option<String>,
     /// Further folders that may contain files a scene names.
     pub allow_outside: Vec<PathBuf>,
     /// Options of a model by itself.
@@ -110,22 +114,26 @@ pub struct Loaded {
     pub report: LoadReport,
 }
 
-/// Reads a scene file (`.toml`), or a model file (`.obj`, `.ply`, `.stl`) with a fitted camera, default lights and a
-/// sky.
+/// Reads a scene file (`.toml`), or a model file (`.obj`, `.gltf`, `.glb`, `.ply`, `.stl`) with a sky and, unless it
+/// has its own, a fitted camera and default lights.
 ///
 /// # Errors
 /// - [`Error::Input`] or [`Error::File`] for wrong content.
 /// - [`Error::Io`] if a file cannot be read.
 /// - [`Error::Limit`] if a file exceeds a limit.
 pub fn scene(path: &Path, options: &LoadOptions) -> Result<Loaded> {
+    let gltf = format::Format::of(path) == Some(format::Format::Gltf);
+    if let (Some(name), false) = (&options.camera, gltf) {
+        return Err(Error::file(path, format!("has no camera `{name}`: only a glTF model has cameras by name")));
+    }
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("toml") => document::load(path, options),
         _ => match format::Format::of(path) {
             Some(format) => model::load(path, format, options),
             None => {
+                let models = format::ENDINGS;
                 let start = crate::system::files::read_start(path, 4096).unwrap_or_default();
                 let holds = holds::content(&start).map_or_else(String::new, |what| format!("it holds {what}; "));
-                let models = format::ENDINGS;
                 let message = format!("is neither a scene (.toml) nor a model ({models}); {holds}give one of these");
                 Err(Error::file(path, message))
             }

@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use super::assembly::Assembly;
 use super::bare::{ModelLight, ModelOptions};
 use super::extent::WIDEST;
+use super::extras::{Lamp, LampKind, View};
 use super::format::Format;
 use super::origin::Frame;
 use super::request::Request;
@@ -41,14 +42,21 @@ pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
-    let names = format.load(path, &request, &mut assembly)?;
-    if let Some(fault) = request.not_replaced(&names) {
+    let extras = format.load(path, &request, &mut assembly)?;
+    if let Some(fault) = request.not_replaced(&extras.names) {
         return Err(Error::Usage(format!("--material: {}: {fault}", path.display())));
     }
     let frame = assembly.settle(None)?;
-    assembly.scene.camera = camera(&bounds(&assembly.scene), model, frame)?;
-    assembly.scene.lights = lights(assembly.scene.camera.eye);
-    if !model.lights.is_empty() {
+    let bounds = bounds(&assembly.scene);
+    let own_camera =
+        extras.view.as_ref().filter(|_| model.eye.is_none() && model.target.is_none() && model.fov.is_none());
+    assembly.scene.camera = match own_camera {
+        Some(view) => placed(view, frame, &bounds),
+        None => camera(&bounds, model, frame)?,
+    };
+    let own: Vec<Light> = if model.lights.is_empty() {
+        extras.lamps.iter().map(|lamp| light(lamp, frame)).collect()
+    } else {
         let at = |(i, light): (usize, &ModelLight)| Light {
             name: format!("light {}", i + 1),
             kind: LightKind::Point { position: frame.local(light.position).as_vec3() },
@@ -56,8 +64,16 @@ pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result
             falloff: Falloff::None,
             shadows: true,
         };
-        assembly.scene.lights = model.lights.iter().enumerate().map(at).collect();
-    }
+        model.lights.iter().enumerate().map(at).collect()
+    };
+    let seen = if own_camera.is_some() { "the model's camera" } else { "a camera fitted to the model" };
+    let lit = match (own.is_empty(), model.lights.is_empty()) {
+        (true, _) => "a key light, two weak ones that leave no side black",
+        (_, true) => "the model's lights",
+        _ => "the lights that were given",
+    };
+    assembly.scene.lights = if own.is_empty() { lights(assembly.scene.camera.eye) } else { own };
+    let sky = if model.background.is_some() || model.environment.is_some() { "surroundings" } else { "a sky" };
     assembly.scene.environment = match (&model.background, &model.environment) {
         (Some(colour), _) => Environment::Constant(*colour),
         (None, Some(file)) => Environment::LatLong { texture: assembly.picture(file)?, scale: Rgb::ONE, rotation: 0.0 },
@@ -67,10 +83,7 @@ pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result
             zenith: Rgb::new(0.3, 0.45, 0.75),
         },
     };
-    assembly.reporter.default_used(
-        "a camera fitted to the model, a key light, two weak ones that leave no side black, and a sky, as far as no option \
-         replaces them",
-    );
+    assembly.reporter.default_used(format!("{seen}, {lit}, and {sky}"));
     Ok(assembly.finish())
 }
 
@@ -94,6 +107,38 @@ fn camera(bounds: &Aabb, model: &ModelOptions, frame: Frame) -> Result<Camera> {
     };
     let up = if view.cross(DVec3::Y).length() < LEAST_SINE_OF_UP { Vec3::NEG_Z } else { Vec3::Y };
     Ok(Camera { eye, target, up, projection: Projection::Pinhole { vfov }, medium: None })
+}
+
+/// Returns the camera of the model's file, whose target is as far as the middle of the model.
+fn placed(view: &View, frame: Frame, bounds: &Aabb) -> Camera {
+    let eye = frame.local(view.eye);
+    let centre = (bounds.lo.as_dvec3() + bounds.hi.as_dvec3()) * 0.5;
+    let distance = (centre - eye).length();
+    // Far enough for the digits of `f32` to hold the direction.
+    let least = eye.abs().max_element().max(f64::MIN_POSITIVE) * 1e-2;
+    let distance = if distance.is_finite() { distance.max(least) } else { least.max(1.0) };
+    let projection = match view.projection {
+        Projection::Orthographic { height } => Projection::Orthographic { height: height / frame.unit() as f32 },
+        other => other,
+    };
+    let target = (eye + view.forward * distance).as_vec3();
+    Camera { eye: eye.as_vec3(), target, up: view.up, projection, medium: None }
+}
+
+/// Returns a light of the model's file, in the scene's unit.
+fn light(lamp: &Lamp, frame: Frame) -> Light {
+    let local = |place| frame.local(place).as_vec3();
+    let kind = match lamp.kind {
+        LampKind::Distant { direction } => LightKind::Directional { direction },
+        LampKind::Point { place } => LightKind::Point { position: local(place) },
+        LampKind::Spot { place, direction, cos_inner, cos_outer } => {
+            LightKind::Spot { position: local(place), direction, cos_inner, cos_outer }
+        }
+    };
+    // A radiant intensity gives an irradiance per square of the unit.
+    let unit = if matches!(kind, LightKind::Directional { .. }) { 1.0 } else { frame.unit() as f32 };
+    let intensity = lamp.intensity / (unit * unit);
+    Light { name: lamp.name.clone(), kind, intensity, falloff: Falloff::InverseSquare, shadows: true }
 }
 
 /// Direction of the key light: over the camera's left shoulder.

@@ -3,16 +3,24 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::report::Reporter;
-use super::{Limits, texture};
+use super::Limits;
+use super::assembly::Assembly;
+use super::texture::{self, Reading};
 use crate::Result;
-use crate::scene::{Scene, Texels, Texture, Wrap};
+use crate::image::linear_from_srgb;
+use crate::scene::{Texels, Texture, Wrap};
 
 /// Use of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Use {
     /// Colours.
     Colour,
+    /// Colours in sRGB, whatever the file says about its codes.
+    Srgb,
+    /// As [`Use::Srgb`], and covering where its alpha is at least this code.
+    Cut(u8),
+    /// Shares of the largest code, without colour.
+    Codes,
     /// Coverage: its alpha channel, else a channel (`r`, `g`, `b`), else its mean.
     Mask(Option<u8>),
 }
@@ -33,54 +41,93 @@ pub(super) struct Picture {
     pub alpha: Option<u32>,
 }
 
-impl Pictures {
-    /// Reads a picture once for a use, into the scene, and returns its indices.
-    pub(super) fn read(
-        &mut self,
-        path: &Path,
-        usage: Use,
-        wrap: [Wrap; 2],
-        limits: Limits,
-        (scene, reporter): (&mut Scene, &mut Reporter),
-    ) -> Result<Picture> {
+impl Assembly<'_> {
+    /// Reads a picture once and returns its index. Its alpha channel is left out with a warning.
+    pub(super) fn picture(&mut self, path: &Path) -> Result<u32> {
+        let known = self.pictures.places.contains_key(&(path.to_owned(), Use::Colour, [Wrap::Repeat; 2]));
+        let picture = self.picture_for(path, Use::Colour, [Wrap::Repeat; 2])?;
+        if picture.alpha.is_some() && !known {
+            self.reporter.warn(path, 0, "the picture's alpha channel is left out", String::new)?;
+        }
+        Ok(picture.texture)
+    }
+
+    /// Reads a picture once for a use and returns its indices.
+    pub(super) fn picture_for(&mut self, path: &Path, usage: Use, wrap: [Wrap; 2]) -> Result<Picture> {
         let key = (path.to_owned(), usage, wrap);
-        if let Some(&picture) = self.places.get(&key) {
+        if let Some(&picture) = self.pictures.places.get(&key) {
             return Ok(picture);
         }
-        let left = limits.texture_bytes.saturating_sub(self.bytes);
-        let reading = texture::read(path, &Limits { texture_bytes: left, ..limits }, usage != Use::Colour)?;
-        let (width, height) = (reading.texture.width, reading.texture.height);
+        let reading = texture::read(path, &self.picture_limits(), usage != Use::Colour)?;
+        self.keep_picture(key, reading)
+    }
+
+    /// Decodes the bytes of a picture once for a use and returns its indices. Messages and later calls know it as `name`.
+    pub(super) fn picture_in(&mut self, name: &Path, bytes: &[u8], usage: Use, wrap: [Wrap; 2]) -> Result<Picture> {
+        let key = (name.to_owned(), usage, wrap);
+        if let Some(&picture) = self.pictures.places.get(&key) {
+            return Ok(picture);
+        }
+        let reading = texture::decode(bytes, name, &self.picture_limits(), usage != Use::Colour)?;
+        self.keep_picture(key, reading)
+    }
+
+    /// Returns the limits for the next picture.
+    pub(super) fn picture_limits(&self) -> Limits {
+        let mut limits = self.options.limits;
+        limits.texture_bytes = limits.texture_bytes.saturating_sub(self.pictures.bytes);
+        limits
+    }
+
+    fn keep_picture(&mut self, key: (PathBuf, Use, [Wrap; 2]), reading: Reading) -> Result<Picture> {
+        let (path, usage, wrap) = (&key.0, key.1, key.2);
+        let size = (reading.texture.width, reading.texture.height);
         if reading.repaired > 0 {
             let pixels = reading.texture.pixels.len();
             let kind = "pixels that are not finite or below zero count as black in those channels";
-            reporter.warn(path, 0, kind, || format!(" ({} of {pixels})", reading.repaired))?;
+            self.reporter.warn(path, 0, kind, || format!(" ({} of {pixels})", reading.repaired))?;
         }
         let name = reading.texture.name.clone();
-        let mask = |codes| Texture { wrap, ..Texture::new(name.as_str(), width, height, coverage(codes)) };
-        let mut add = |texture: Texture| {
-            self.bytes += texture.pixels.bytes() as u64;
-            scene.add_texture(texture)
-        };
+        let mask = |codes| Texture { wrap, ..Texture::new(name.as_str(), size.0, size.1, coverage(codes)) };
         let picture = match usage {
-            Use::Colour => {
-                let texture = add(Texture { wrap, ..reading.texture });
-                Picture { texture, alpha: reading.alpha.map(|codes| add(mask(codes))) }
+            Use::Colour | Use::Srgb | Use::Cut(_) => {
+                let mut colours = Texture { wrap, ..reading.texture };
+                if usage != Use::Colour {
+                    colours.pixels = srgb(colours.pixels);
+                }
+                let texture = self.add_texture(colours);
+                let alpha = reading.alpha.map(|codes| match usage {
+                    Use::Cut(least) => codes.iter().map(|&c| if c >= least { 255 } else { 0 }).collect(),
+                    _ => codes,
+                });
+                Picture { texture, alpha: alpha.map(|codes| self.add_texture(mask(codes))) }
             }
+            Use::Codes => Picture { texture: self.add_texture(Texture { wrap, ..reading.texture }), alpha: None },
             Use::Mask(channel) => {
                 let codes = match (reading.alpha, channel) {
                     (Some(alpha), None | Some(b'm')) => alpha,
                     (_, channel) => scalar(&reading.texture.pixels, channel),
                 };
-                Picture { texture: add(mask(codes)), alpha: None }
+                Picture { texture: self.add_texture(mask(codes)), alpha: None }
             }
         };
-        self.places.insert(key, picture);
+        self.pictures.places.insert(key, picture);
         Ok(picture)
     }
 
-    /// Returns true if the colours of a picture, repeated, were read before.
-    pub(super) fn has(&self, path: &Path) -> bool {
-        self.places.contains_key(&(path.to_owned(), Use::Colour, [Wrap::Repeat; 2]))
+    fn add_texture(&mut self, texture: Texture) -> u32 {
+        self.pictures.bytes += texture.pixels.bytes() as u64;
+        self.scene.add_texture(texture)
+    }
+}
+
+/// Returns the colours of pixels that are shares of the largest code.
+fn srgb(shares: Texels) -> Texels {
+    let colour = |x: f32| linear_from_srgb(f64::from(x)) as f32;
+    match shares {
+        Texels::Light(pixels) => Texels::Light(pixels.into_iter().map(|p| p.map(colour)).collect()),
+        Texels::Codes { codes, light } => Texels::Codes { codes, light: Box::new(light.map(colour)) },
+        Texels::Grey { codes, light } => Texels::Grey { codes, light: Box::new(light.map(colour)) },
     }
 }
 

@@ -33,6 +33,18 @@ pub(super) fn read(path: &Path, limits: &Limits, linear: bool) -> Result<Reading
     image::read_stored(path, &options(limits, linear)).map(|stored| reading(path, stored))
 }
 
+/// Decodes the bytes of a picture as [`read`] does; messages name `path`.
+pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits, linear: bool) -> Result<Reading> {
+    image::decode_stored(bytes, path, &options(limits, linear)).map(|stored| reading(path, stored))
+}
+
+/// Returns the mean of the codes of a picture, as shares of the largest one.
+pub(super) fn mean(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[f64; 3]> {
+    let pixels = image::decode_stored(bytes, path, &options(limits, true))?.into_film().pixels;
+    let sum = pixels.iter().fold([0.0; 3], |sum, p| std::array::from_fn(|c| sum[c] + f64::from(p[c])));
+    Ok(sum.map(|c| c / pixels.len().max(1) as f64))
+}
+
 fn options(limits: &Limits, linear: bool) -> ReadOptions {
     let limits = image::Limits {
         edge: limits.texture_edge,

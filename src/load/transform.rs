@@ -77,6 +77,11 @@ impl Transform {
         DMat3::from_mat4(self.matrix).determinant() < 0.0
     }
 
+    /// Returns the factor by which lengths grow, in the mean of all directions.
+    pub(super) fn scale(&self) -> f64 {
+        DMat3::from_mat4(self.matrix).determinant().abs().cbrt()
+    }
+
     /// Transforms a point.
     #[must_use]
     pub fn point(&self, p: DVec3) -> DVec3 {

@@ -6,6 +6,7 @@ pub mod machine;
 pub mod percentiles;
 pub mod random;
 pub(crate) mod sample;
+pub mod shell;
 pub mod table;
 
 pub use figure::Figure;

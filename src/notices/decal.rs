@@ -1,7 +1,7 @@
 //! Check for opaque surfaces of different materials at the same place.
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::geometry::contact::Contacts;
 
@@ -19,7 +19,7 @@ fn find(facts: &Facts) -> Vec<Finding> {
         .map(|pair| {
             let [under, over] = pair.objects.map(|o| facts.name(o as usize));
             Finding {
-                place: Place::object(facts.scene, pair.objects[1] as usize),
+                place: FileLocation::object(facts.scene, pair.objects[1] as usize),
                 wrong: format!("{over} covers {under} at the same place"),
                 because: String::from("of coplanar surfaces the one listed later is seen"),
                 cure: String::from("list them the other way round, or move one of them"),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::facts::Facts;
 use super::facts::has_area;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::geometry::Shape;
 
@@ -34,7 +34,7 @@ fn in_model(facts: &Facts, file: &Path) -> Option<Finding> {
     }
     let (lost, all) = (left_out + unusable, left_out + triangles);
     (lost as f64 > SHARE * all as f64).then(|| Finding {
-        place: Place::file(file),
+        place: FileLocation::file(file),
         wrong: format!("{lost} of {all} faces are missing from the picture"),
         because: reasons(facts, left_out, unusable),
         cure: String::from("mend or export the model again, without such faces"),

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::accel::reference::{Ray64, Reference};
 use crate::geometry::Shape;
@@ -20,7 +20,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     let finding = |object: usize| {
         let eye = facts.scene.camera.eye;
         Finding {
-            place: Place::object(facts.scene, object),
+            place: FileLocation::object(facts.scene, object),
             wrong: format!("the camera is inside {}, which is opaque, and no light is in there", facts.name(object)),
             because: format!("`eye = [{}, {}, {}]` lies within its closed surface", eye.x, eye.y, eye.z),
             cure: String::from("move the camera or the object, make the object transparent, or put a [[light]] inside"),
@@ -41,7 +41,8 @@ pub(super) fn dark_body(facts: &Facts, picture: &Outcome) -> Option<usize> {
     }
     // Without lamps, any room is dark; the camera's position is then not the reason.
     let holds = |o: &usize| {
-        let lacks_lamps = facts.scene.lights.is_empty() && facts.material(*o).answers_light();
+        let lacks_lamps =
+            facts.scene.lights.is_empty() && !facts.scene.shining().any() && facts.material(*o).answers_light();
         is_opaque(facts, *o) && !lacks_lamps && is_around_eye(facts, *o)
     };
     met().find(holds)

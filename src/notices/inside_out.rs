@@ -1,7 +1,7 @@
 //! Check for closed dielectrics whose faces point inwards.
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::load::Hull;
 
@@ -16,7 +16,7 @@ fn find(facts: &Facts) -> Vec<Finding> {
         let &Hull::InsideOut { parts, of } = hull else { return None };
         let name = facts.name(object);
         Some(Finding {
-            place: Place::object(facts.scene, object),
+            place: FileLocation::object(facts.scene, object),
             wrong: match (parts, of) {
                 (1, 1) => format!("{name} is inside out"),
                 _ => format!("{parts} of the {of} separate parts of {name} are inside out"),

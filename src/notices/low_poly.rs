@@ -6,7 +6,7 @@
 //! reflections.
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::geometry::{Shape, TriMesh};
 use crate::render::Outcome;
@@ -67,7 +67,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
 fn of_object(facts: &Facts, object: usize, dark: u64) -> Finding {
     let built_in = facts.scene.objects[object].origin.triangle_lines.is_empty();
     Finding {
-        place: Place::object(facts.scene, object),
+        place: FileLocation::object(facts.scene, object),
         wrong: format!(
             "{} loses light in about {dark} pixels (counted as truncated weight, whatever the `depth`)",
             facts.name(object)

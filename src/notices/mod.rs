@@ -12,6 +12,7 @@ mod low_poly;
 mod near;
 mod nothing_seen;
 mod notice;
+mod shining;
 mod survey;
 mod truncated;
 mod unlit;
@@ -20,7 +21,7 @@ mod view;
 
 pub use facts::Facts;
 pub use inside_out::CURE as INSIDE_OUT_CURE;
-pub use notice::{Finding, Notice, Place};
+pub use notice::{FileLocation, Finding, Notice};
 pub use survey::survey;
 
 use crate::render::Outcome;
@@ -49,6 +50,7 @@ pub const CHECKS: &[Check] = &[
     dropped::CHECK,
     decal::CHECK,
     near::CHECK,
+    shining::CHECK,
     inside_out::CHECK,
     nothing_seen::CHECK,
     inside::CHECK,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::geometry::contact::tolerance;
 use crate::geometry::{Shape, TriMesh};
@@ -36,7 +36,7 @@ fn find(facts: &Facts) -> Vec<Finding> {
             let apart = bounds[i].lo.cmpgt(bounds[j].hi).any() || bounds[j].lo.cmpgt(bounds[i].hi).any();
             if !apart && (weave(p, q) || weave(q, p)) {
                 findings.push(Finding {
-                    place: Place::object(scene, a),
+                    place: FileLocation::object(scene, a),
                     wrong: format!("the surfaces of {} and {} cross each other many times", facts.name(b), facts.name(a)),
                     because: String::from("they follow one shape with different faces"),
                     cure: String::from(
@@ -49,14 +49,16 @@ fn find(facts: &Facts) -> Vec<Finding> {
     findings
 }
 
-/// Middle, unit normal and size of a face.
+/// Corners, middle, unit normal and size of a face.
 struct Sample {
+    corners: [DVec3; 3],
     middle: DVec3,
     normal: DVec3,
     size: f64,
 }
 
-/// Returns true if faces of `a` lie next to nearly parallel faces of `b`, some on one side and some on the other.
+/// Returns true if faces of `a` cross the planes of nearly parallel faces of `b` next to them, with their middles some on one
+/// side and some on the other. Two plates one above the other do not.
 fn weave(a: &TriMesh, b: &TriMesh) -> bool {
     let step = (a.triangles.len() / SAMPLES).max(1);
     let mut samples: Vec<Sample> =
@@ -88,17 +90,22 @@ fn sample(mesh: &TriMesh, i: usize) -> Option<Sample> {
     let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
     let spanned = (b - a).cross(c - a);
     let normal = spanned.try_normalize()?;
-    Some(Sample { middle: (a + b + c) / 3.0, normal, size: spanned.length().sqrt() })
+    Some(Sample { corners: [a, b, c], middle: (a + b + c) / 3.0, normal, size: spanned.length().sqrt() })
 }
 
 /// Returns the signed height of a face's middle over a nearly parallel triangle. Returns `None` if the face is too far
-/// from it, beside it, or in its plane.
+/// from it, beside it, or does not cross its plane.
 fn height_over(s: &Sample, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let normal = (b - a).cross(c - a).try_normalize()?;
     let along = normal.dot(s.normal);
     let height = (s.middle - a).dot(normal);
     let largest = s.middle.abs().max_element().max(a.abs().max_element());
-    if along.abs() < 0.95 || height.abs() > NEAR * s.size || height.abs() <= tolerance(largest) {
+    let near = tolerance(largest);
+    if along.abs() < 0.95 || height.abs() > NEAR * s.size || height.abs() <= near {
+        return None;
+    }
+    let heights = s.corners.map(|p| (p - a).dot(normal));
+    if !(heights.iter().any(|&h| h > near) && heights.iter().any(|&h| h < -near)) {
         return None;
     }
     let below = s.middle - normal * height;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::view::{Extent, View};
 use super::{Check, Find};
 use crate::geometry::{Aabb, Shape};
@@ -51,7 +51,7 @@ fn has_base(material: &Material) -> bool {
 }
 
 /// Returns place, reason and cure if rays hit only invisible objects.
-fn invisible(facts: &Facts, object: usize) -> (Place, String, String) {
+fn invisible(facts: &Facts, object: usize) -> (FileLocation, String, String) {
     let material = facts.material(object);
     let (what, cure) = match material.interface {
         Interface::Alpha { .. } => (
@@ -61,12 +61,12 @@ fn invisible(facts: &Facts, object: usize) -> (Place, String, String) {
         _ => ("has the refractive index of what surrounds it, and no colour", "give the material another index"),
     };
     let because = format!("the material `{}` of {} {what}", material.name, facts.name(object));
-    (Place::object(facts.scene, object), because, String::from(cure))
+    (FileLocation::object(facts.scene, object), because, String::from(cure))
 }
 
 /// Returns place, reason and cure if no ray hits anything.
-fn unmet(facts: &Facts) -> (Place, String, String) {
-    let place = Place::file(facts.file);
+fn unmet(facts: &Facts) -> (FileLocation, String, String) {
+    let place = FileLocation::file(facts.file);
     let scene = facts.scene;
     let bounds = (0..scene.objects.len()).fold(Aabb::EMPTY, |bounds, o| bounds.union(facts.bounds(o)));
     let plane = scene.geometry.iter().find_map(|g| match &g.shape {

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 
 /// Location of a fault in a file.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Place {
+pub struct FileLocation {
     /// File, as named by the user. In JSON, bytes that are not UTF-8 are replaced.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
@@ -21,7 +21,7 @@ fn lossy<S: serde::Serializer>(file: &Path, serializer: S) -> Result<S::Ok, S::E
     serializer.serialize_str(&file.to_string_lossy())
 }
 
-impl Place {
+impl FileLocation {
     /// Returns the location of a whole file.
     #[must_use]
     pub fn file(file: &Path) -> Self {
@@ -42,7 +42,7 @@ impl Place {
 pub struct Finding {
     /// Location of the fault.
     #[serde(flatten)]
-    pub place: Place,
+    pub place: FileLocation,
     /// Fault, with the names of the objects, materials or lights concerned in backquotes.
     pub wrong: String,
     /// Most likely reason; empty if `wrong` already states it.
@@ -65,7 +65,7 @@ impl Notice {
     /// Returns the error for `--strict`, with the same text.
     #[must_use]
     pub fn into_error(self) -> Error {
-        let (message, Place { file, line }) = (self.message(), self.finding.place);
+        let (message, FileLocation { file, line }) = (self.message(), self.finding.place);
         if line > 0 { Error::at(file, line as usize, message) } else { Error::file(file, message) }
     }
 
@@ -78,7 +78,7 @@ impl Notice {
 
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Place { file, line } = &self.finding.place;
+        let FileLocation { file, line } = &self.finding.place;
         let line = if *line > 0 { format!(":{line}") } else { String::new() };
         write!(f, "{}{line}: {}", file.display(), self.message())
     }
@@ -93,7 +93,7 @@ mod tests {
         let notice = |line, because: &str| Notice {
             id: "odd",
             finding: Finding {
-                place: Place { file: "a.toml".into(), line },
+                place: FileLocation { file: "a.toml".into(), line },
                 wrong: "`x` is odd".into(),
                 because: because.into(),
                 cure: "make it even".into(),

@@ -1,7 +1,7 @@
 //! Check for pictures that lack visible light because rays ended at a limit.
 
 use super::facts::Facts;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::render::{Cure, Limit, Outcome, Shortfall};
 use crate::scene::MOST_PASSES;
@@ -23,7 +23,7 @@ fn finding(facts: &Facts, shortfall: &Shortfall) -> Finding {
         Limit::Asked => String::from("rays end at limits that the command line sets"),
     };
     Finding {
-        place: Place::file(facts.file),
+        place: FileLocation::file(facts.file),
         wrong: format!(
             "about {pixels} of {of} pixels lack more than 1/255 of their light, pixel ({x}, {y}) lacks {} of white",
             share(*lacks)

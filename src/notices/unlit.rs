@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::facts::Facts;
 use super::inside::{dark_body, glows};
 use super::nothing_seen::is_visible;
-use super::notice::{Finding, Place};
+use super::notice::{FileLocation, Finding};
 use super::{Check, Find};
 use crate::render::Outcome;
 use crate::render::record::Source;
@@ -32,7 +32,7 @@ fn find(facts: &Facts, picture: &Outcome) -> Vec<Finding> {
     };
     let (because, cure) = reason(facts);
     let wrong = format!("no light reaches {}{others}", facts.name(first));
-    vec![Finding { place: Place::object(facts.scene, first), wrong, because, cure }]
+    vec![Finding { place: FileLocation::object(facts.scene, first), wrong, because, cure }]
 }
 
 /// Returns true if an object is visible, dark without lamps, and reflects lamp light.
@@ -43,11 +43,24 @@ fn is_matt(facts: &Facts, object: usize) -> bool {
 
 fn reason(facts: &Facts) -> (String, String) {
     let lights = &facts.scene.lights;
-    if lights.is_empty() {
+    if facts.scene.shining().any() {
         return (
-            String::from("the scene has no [[light]]; environments and emissive shapes do not light matt surfaces"),
-            String::from("add a [[light]], or `ambient` to the [environment] and to the material"),
+            String::from("what shines does not reach what is seen: it is shut off, below the horizon, or on far sides"),
+            String::from("move or open what is in the way, or add a [[light]] that reaches what is seen"),
         );
+    }
+    if lights.is_empty() {
+        let because = match facts.scene.has_shiners() {
+            true => "the scene has no [[light]], and `lights_from` does not admit what else shines",
+            false => {
+                "the scene has no [[light]], nothing in it that can light others shines, and its environment is black"
+            }
+        };
+        let cure = match facts.scene.has_shiners() {
+            true => "write `lights_from = \"all\"` in [render], or add a [[light]]",
+            false => "add a [[light]], a bounded shape with `emission`, an [environment], or `ambient` light",
+        };
+        return (because.into(), cure.into());
     }
     if lights.iter().all(|light| light.intensity == Rgb::ZERO) {
         return (String::from("every [[light]] has the intensity 0"), String::from("give one a higher `intensity`"));

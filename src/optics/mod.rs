@@ -32,7 +32,7 @@ pub use planar::PlanarReflection;
 pub use polarised::{Polarised, polarised, polarised_as_printed};
 pub use reflect::reflect;
 pub use refraction::{
-    Bec, Heckbert, Oliveira, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, SlidesVector, Stable,
-    StraightThrough, Trigonometric,
+    Bec, Heckbert, MapOne, MapTwo, Oliveira, Raised, Refracted, RefractionFormula, RefractionModel, RefractionVisitor,
+    SlidesVector, Stable, StraightThrough, Trigonometric,
 };
 pub use spectrum::{Bands, FEWEST_BANDS, SEPARATION, Spectrum, VISIBLE};

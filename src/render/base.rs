@@ -75,7 +75,11 @@ fn gather<const TEXTURED: bool, const SHINY: bool, const GLOWING: bool>(
             base.diffuse.set_lane(k, diffuse);
             base.lit |= diffuse != Vec3::ZERO;
             if GLOWING {
-                let sent = material.emission + material.ambient * scene.ambient;
+                let emission = match &material.glow {
+                    Some(glow) if TEXTURED => colour::<TEXTURED>(scene, glow, surface, k),
+                    _ => material.emission,
+                };
+                let sent = emission + material.ambient * scene.ambient;
                 glow.set_lane(k, sent);
                 glowing |= u8::from(sent != Vec3::ZERO) << k;
             }

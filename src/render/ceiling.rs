@@ -8,16 +8,18 @@
 //! holds for the picture with this depth limit.
 //!
 //! A base is bounded by emission, ambient light, and for each light the largest albedo and highlight times the light
-//! that arrives at the nearest point of the surface. Cosines and lobes are taken as 1, and shadows as none.
+//! that arrives at the nearest point of the surface. Cosines and lobes are taken as 1, and shadows as none. A sample of the
+//! environment brings at most its radiance times the excess of its weight. Samples of emissive shapes have no bound.
 
 use glam::{DVec3, Vec3};
 
 use super::options::Options;
+use super::shine::Around;
+use crate::error::{Result, Unsupported};
 use crate::geometry::{Shape, Spot, TriMesh};
 use crate::optics::FresnelModel;
 use crate::scene::{Colour, Environment, Falloff, FresnelRule, Interface, Light, LightKind, Material, MirrorSource};
 use crate::scene::{Object, Rgb, Scene};
-use crate::{Error, Result};
 
 /// Relative margin for rounding in `f32`, where cosines and lobes may exceed 1 by a few roundings.
 const ROUNDED_UP: f64 = 1.0 + 1e-5;
@@ -37,7 +39,7 @@ impl Ceiling {
     pub fn of(scene: &Scene) -> Result<Self> {
         let ceiling = Self::with(scene, |number, object, material| of_base(scene, number, object, material))?;
         if ceiling.by_depth.iter().any(|most| !most.is_finite()) {
-            return Err(refused("the light of this scene adds up beyond all bounds"));
+            return Err(Unsupported::UnboundedLight.into());
         }
         Ok(ceiling)
     }
@@ -47,7 +49,7 @@ impl Ceiling {
     #[must_use]
     pub fn estimate(scene: &Scene, brightest: DVec3) -> Self {
         let base = |number: usize, object: &Object, material: &Material| {
-            let own = material.emission.abs().as_dvec3() + (material.ambient * scene.ambient).abs().as_dvec3();
+            let own = of_emission(scene, material) + (material.ambient * scene.ambient).abs().as_dvec3();
             Ok(of_base(scene, number, object, material).unwrap_or(own + brightest))
         };
         let estimated = Self::with(scene, base).ok().filter(|c| c.by_depth.iter().all(|most| most.is_finite()));
@@ -56,10 +58,12 @@ impl Ceiling {
 
     fn with(scene: &Scene, base: impl Fn(usize, &Object, &Material) -> Result<DVec3>) -> Result<Self> {
         let environment = of_environment(scene);
+        let sky = of_sky_light(scene, environment);
         let mut surfaces = Vec::with_capacity(scene.objects.len());
         for (number, object) in scene.objects.iter().enumerate() {
             let material = &scene.materials[object.material as usize];
-            surfaces.push((base(number, object, material)?, material));
+            let under_sky = of_colour(scene, &material.diffuse) * sky;
+            surfaces.push((base(number, object, material)? + under_sky, material));
         }
         let deepest = scene.settings.max_depth as usize;
         let mut by_depth = vec![environment; deepest + 2];
@@ -81,23 +85,16 @@ impl Ceiling {
     ///   together weigh more than the ray, by a factor at each surface. After a few surfaces no useful bound is left.
     /// - The reflected part stays one white ray, although each of its wavelengths has its own polarisation.
     pub fn asked(scene: &Scene, options: &Options) -> Result<Option<Self>> {
-        let (flag, reason) = match options {
-            Options { cutoff_error: Some(_), .. } => (
-                "--cutoff-error",
-                "single wavelengths have negative channels, and together weigh more than the white ray they split from",
-            ),
-            Options { fresnel: FresnelModel::Polarised, .. } => (
-                "--fresnel polarised",
-                "reflected light stays one white ray, although each of its wavelengths is polarised differently",
-            ),
-            _ => return Ok(None),
+        let reason = |medium: String| match options {
+            Options { cutoff_error: Some(_), .. } => Some(Unsupported::ProofWithDispersion { medium }),
+            Options { fresnel: FresnelModel::Polarised, .. } => {
+                Some(Unsupported::PolarisationWithDispersion { medium })
+            }
+            _ => None,
         };
-        if let Some(medium) = scene.media.iter().find(|m| m.disperses()) {
-            return Err(Error::Usage(format!(
-                "{flag} does not work in scenes whose media disperse light, as `{}` does: {reason}; add --no-dispersion \
-                 or leave the option out",
-                medium.name
-            )));
+        let dispersing = scene.media.iter().find(|m| m.disperses());
+        if let Some(reason) = dispersing.and_then(|medium| reason(medium.name.clone())) {
+            return Err(reason.into());
         }
         options.cutoff_error.map(|error| Self::tolls(scene, error)).transpose()
     }
@@ -116,10 +113,6 @@ impl Ceiling {
     pub fn at(&self, depth: usize) -> DVec3 {
         self.by_depth[depth.min(self.by_depth.len() - 1)]
     }
-}
-
-fn refused(reason: &str) -> Error {
-    Error::Usage(format!("--cutoff-error: {reason}; take --cutoff instead"))
 }
 
 /// Bounds a surface's base plus its secondary rays, where rays of the next depth bring at most `beyond`.
@@ -167,9 +160,23 @@ fn of_environment(scene: &Scene) -> DVec3 {
     }
 }
 
+/// Bounds what samples of the environment make a surface of albedo 1 reflect; `brightest` is its largest radiance.
+fn of_sky_light(scene: &Scene, brightest: DVec3) -> DVec3 {
+    if !scene.shining().sky {
+        return DVec3::ZERO;
+    }
+    Around::of(scene).map_or(DVec3::ZERO, |around| brightest * around.excess() * ROUNDED_UP)
+}
+
 /// Returns the largest texel per channel. Bilinear interpolation never exceeds it.
 fn of_texture(scene: &Scene, texture: u32) -> DVec3 {
     scene.textures[texture as usize].pixels.iter().fold(Vec3::ZERO, |most, texel| most.max(texel.abs())).as_dvec3()
+}
+
+/// Returns the largest emission per channel.
+fn of_emission(scene: &Scene, material: &Material) -> DVec3 {
+    let mean = material.emission.abs().as_dvec3();
+    material.glow.as_ref().map_or(mean, |glow| mean.max(of_colour(scene, glow)))
 }
 
 fn of_colour(scene: &Scene, colour: &Colour) -> DVec3 {
@@ -189,11 +196,14 @@ fn of_colour(scene: &Scene, colour: &Colour) -> DVec3 {
 }
 
 fn of_base(scene: &Scene, number: usize, object: &Object, material: &Material) -> Result<DVec3> {
-    let mut most = material.emission.abs().as_dvec3() + (material.ambient * scene.ambient).abs().as_dvec3();
+    let mut most = of_emission(scene, material) + (material.ambient * scene.ambient).abs().as_dvec3();
     let albedo = of_colour(scene, &material.diffuse);
     let highlight = material.highlight.map_or(DVec3::ZERO, |h| h.colour.abs().as_dvec3());
     if albedo == DVec3::ZERO && highlight == DVec3::ZERO {
         return Ok(most);
+    }
+    if scene.shining().emitters() {
+        return Err(Unsupported::SampledLight.into());
     }
     for light in &scene.lights {
         let arriving = light.intensity.abs().as_dvec3();
@@ -230,11 +240,8 @@ fn most_share(light: &Light, shape: &Shape, object: &Object) -> Result<f64> {
         origin if origin.line > 0 => format!(" ({}:{})", origin.file, origin.line),
         _ => String::new(),
     };
-    Err(refused(&format!(
-        "no bound exists on the cut light: `{}` has inverse-square falloff and touches object `{}`{place} to within \
-         rounding; move one of them, or give the light falloff = \"none\"",
-        light.name, object.name
-    )))
+    let (light, object) = (light.name.clone(), object.name.clone());
+    Err(Unsupported::LightTouchesSurface { light, object, place }.into())
 }
 
 /// Returns a lower bound on the distance between a shape and a parallelogram, given by its middle and half edges. The

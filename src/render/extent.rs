@@ -136,7 +136,7 @@ impl<R: Real> Extent<R> for Sheet<R> {
 /// Maps the unit square to the unit disc: concentric squares become circles, and areas are preserved (Shirley & Chiu
 /// 1997).
 #[inline(always)]
-fn disc<R: Real>([u, v]: [R; 2]) -> [R; 2] {
+pub(super) fn disc<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     let (x, y) = (u + u - R::one(), v + v - R::one());
     let wide = x.abs().gt(y.abs());
     let (radius, other) = (R::select(wide, x, y), R::select(wide, y, x));

@@ -177,3 +177,15 @@ fn cone(cos: F32x8, cos_inner: f32, cos_outer: f32) -> F32x8 {
     let step = s * s * (F32x8::from(3.0) - (s + s));
     Real::select(inside, F32x8::ONE, Real::select(cos.le(F32x8::from(cos_outer)), F32x8::ZERO, step))
 }
+
+/// Returns the factor of a spot light as [`cone`] does, for one number of any precision.
+pub(super) fn within_cone<R: Real<Mask = bool>>(cos: R, inner: R, outer: R) -> R {
+    if cos.ge(inner) {
+        return R::one();
+    }
+    if cos.le(outer) {
+        return R::zero();
+    }
+    let s = (cos - outer) / (inner - outer);
+    s * s * (R::splat(3.0) - (s + s))
+}

@@ -8,6 +8,7 @@ use glam::{Mat3, Vec3};
 use super::options::{Options, Reflection};
 use super::outcome::MapsReport;
 use crate::image::Film;
+use crate::optics::RefractionModel;
 use crate::scene::{Camera, MapKind, Projection, Scene, Texture};
 use crate::systems::maps::{Maps, ReflectorMap, Surroundings, Wanted, directions};
 use crate::{Error, Result};
@@ -54,7 +55,30 @@ impl Taken {
             )));
         }
         let start = Instant::now();
-        let maps = take(scene, kind, options, taker)?;
+        let maps = take(scene, kind, Maps::wanted(scene, kind), options, taker)?;
+        Ok(Some(Self { maps: Arc::new(maps), time: start.elapsed() }))
+    }
+
+    /// Captures the maps for `options.refraction`. Returns none if it looks nothing up.
+    ///
+    /// # Errors
+    /// - [`Error::Usage`] if there are bodies that bend light and none has a map.
+    /// - Errors of the renderer.
+    pub fn of_bodies(scene: &Scene, options: &Options, taker: &impl Taker) -> Result<Option<Self>> {
+        if !matches!(options.bending(), RefractionModel::MapOne | RefractionModel::MapTwo) {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let wanted = Maps::wanted_by_bodies(scene);
+        if let (true, Some((object, why))) = (wanted.0.is_empty(), wanted.1.first()) {
+            return Err(Error::Usage(format!(
+                "--refraction {}: `{}` {why}, and no other body has a map; take a bounded body of a medium without \
+                 dispersion, or --refraction stable",
+                options.refraction.name(),
+                scene.objects[*object as usize].name
+            )));
+        }
+        let maps = take(scene, MapKind::Cube, wanted, options, taker)?;
         Ok(Some(Self { maps: Arc::new(maps), time: start.elapsed() }))
     }
 
@@ -64,8 +88,17 @@ impl Taken {
     }
 }
 
-fn take(scene: &Scene, kind: MapKind, options: &Options, taker: &impl Taker) -> Result<Maps> {
-    let (wanted, without) = Maps::wanted(scene, kind);
+fn take(
+    scene: &Scene,
+    kind: MapKind,
+    (wanted, without): (Vec<Wanted>, Vec<(u32, &'static str)>),
+    options: &Options,
+    taker: &impl Taker,
+) -> Result<Maps> {
+    let refraction = match options.refraction {
+        RefractionModel::MapOne | RefractionModel::MapTwo => RefractionModel::Stable,
+        other => other,
+    };
     let mut view = scene.clone();
     let looks = directions(LOOKS);
     let mut list = Vec::new();
@@ -83,7 +116,8 @@ fn take(scene: &Scene, kind: MapKind, options: &Options, taker: &impl Taker) -> 
         };
         view.camera = Camera { eye: centre, target, up, projection: Projection::Map(kind), medium: None };
         [view.settings.width, view.settings.height] = kind.shape(size);
-        let options = Options { reflection: Reflection::Traced, past: Some(object), maps: None, ..options.clone() };
+        let reflection = Reflection::Traced;
+        let options = Options { reflection, refraction, past: Some(object), maps: None, ..options.clone() };
         let film = taker.picture(&view, &options)?;
         let distances = taker.distances(centre, &looks, object);
         list.push(ReflectorMap {

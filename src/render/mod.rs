@@ -7,6 +7,7 @@
 
 mod accumulate;
 mod base;
+mod bodies;
 mod budget;
 mod camera;
 mod ceiling;
@@ -15,6 +16,7 @@ mod extent;
 mod extra;
 mod eye;
 mod first_hits;
+mod images;
 mod lamp;
 mod light;
 mod limit;
@@ -33,8 +35,10 @@ mod planar;
 mod queue;
 pub mod record;
 pub mod reference;
+mod relief;
 mod shading;
 mod shadow;
+mod shine;
 mod shortfall;
 mod sky;
 mod soft;
@@ -56,7 +60,8 @@ pub use limit::Limit;
 pub use memory::need;
 pub use options::{Observer, Options, Reflection};
 pub use outcome::{
-    MapsReport, MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts, TouchingFound,
+    ImagesReport, MapsReport, MirrorLevel, Outcome, PlanarReport, RayCounts, RayKind, Seen, Stage, StreamCounts,
+    TouchingFound,
 };
 pub use pattern::FilmRay;
 pub use shortfall::{Again, Cure, Shortfall};
@@ -70,16 +75,20 @@ use glam::Vec3;
 
 use crate::accel::{Coherence, Intersector, Shafts};
 use crate::effects::{self, Effect, Reach};
+use crate::error::{Error, Result, Unsupported};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray, Ray8};
 use crate::image::Film;
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
-use crate::{Error, Result};
+use bodies::Bodies8;
+use images::{Virtual, VirtualRays};
 use maps::{Taken, Taker};
 use passes::Passes;
 use planar::PlanarCounts;
+use shine::Shine;
 use stages::Stages;
 use tile::Tile;
 use worker::{Media, Worker};
@@ -176,6 +185,8 @@ fn picture<I: Intersector>(
         seen: counts.seen,
         planar: facts.mirrors.as_ref().map(|mirrors| counts.planar.of_mirrors(mirrors)),
         maps: facts.maps.as_ref().map(|taken| taken.report(counts.without_map)),
+        images: facts.images.as_ref().map(|images| images.report(counts.without_image)),
+        body_maps: facts.refracting.as_ref().map(|bodies| bodies.report(counts.without_body_map)),
     })
 }
 
@@ -210,7 +221,11 @@ impl<'a, I: Intersector> Pixels<'a, I> {
             None => {
                 let facts = SceneFacts::of(scene, accel, options).with_shafts(scene, accel)?;
                 planar::possible(scene, facts.mirrors.as_ref())?;
+                planar::raisable(scene, facts.flats.as_ref())?;
                 let facts = facts.with_maps(Taken::of(scene, options, &ByAccel { accel, observer })?);
+                let facts = facts.with_images(scene, options)?;
+                let bodies = Taken::of_bodies(scene, options, &ByAccel { accel, observer })?;
+                let facts = facts.with_bodies(scene, options, bodies)?;
                 Ok(self.facts.get_or_init(|| facts))
             }
         }
@@ -245,10 +260,18 @@ struct SceneFacts<'a> {
     eye: Vec<u32>,
     /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     shafts: Option<Shafts<'a>>,
+    /// Sources beside lamps that light surfaces.
+    shine: Shine,
     /// Planar mirrors, where a camera is mirrored in them.
     mirrors: Option<Mirrors>,
     /// Maps that reflectors show, if any are asked for.
     maps: Option<Taken>,
+    /// Planes that raise what lies behind them, if any are asked for.
+    flats: Option<Mirrors>,
+    /// Virtual scenes of reflectors, if any are asked for.
+    images: Option<Virtual>,
+    /// Maps of bodies that refracted light is looked up in, if any are asked for.
+    refracting: Option<Bodies8>,
     /// Object that camera rays pass.
     past: Option<u32>,
 }
@@ -263,7 +286,21 @@ impl<'a> SceneFacts<'a> {
             eye.retain(|&body| body != passed);
         }
         let mirrors = planar::mirrors(scene, options);
-        Self { bodies, contacts, touching, eye, shafts: None, mirrors, maps: None, past: options.past }
+        let flats = (options.bending() == RefractionModel::Raised).then(|| Mirrors::of(scene));
+        Self {
+            bodies,
+            contacts,
+            touching,
+            eye,
+            shafts: None,
+            shine: Shine::of(scene),
+            mirrors,
+            maps: None,
+            flats,
+            images: None,
+            refracting: None,
+            past: options.past,
+        }
     }
 
     /// Adds the shafts if the scene's area lamps need them.
@@ -275,6 +312,20 @@ impl<'a> SceneFacts<'a> {
     /// The same with maps.
     fn with_maps(self, maps: Option<Taken>) -> Self {
         Self { maps, ..self }
+    }
+
+    /// The same with virtual scenes, where they are asked for and rays carry nothing that would be lost there.
+    fn with_images(self, scene: &Scene, options: &Options) -> Result<Self> {
+        let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
+        let asked = options.reflection == Reflection::Virtual && !carries;
+        let images = asked.then(|| Virtual::of(scene)).transpose()?;
+        Ok(Self { images, ..self })
+    }
+
+    /// Adds maps of bodies.
+    fn with_bodies(self, scene: &Scene, options: &Options, taken: Option<Taken>) -> Result<Self> {
+        let refracting = taken.map(|taken| Bodies8::new(scene, options.bending(), taken)).transpose()?;
+        Ok(Self { refracting, ..self })
     }
 
     /// Picks the stages that the scene needs.
@@ -308,9 +359,15 @@ fn render_tiles<I: Intersector>(
     let work = || -> Result<(Vec<TileResult>, ThreadCounts)> {
         let mut worker = Worker::new(scene, accel, &stages, options, tolls.as_ref(), &media, observer);
         worker.shading.shafts = facts.shafts.as_ref();
+        worker.shading.shine = Some(&facts.shine);
         if let Some(mirrors) = &facts.mirrors {
             worker.shading.passes = Passes::new(mirrors, options.mirror_levels);
         }
+        if let Some(images) = &facts.images {
+            worker.shading.virtual_rays = VirtualRays::new(images);
+        }
+        worker.shading.flats = facts.flats.as_ref();
+        worker.shading.bodies = facts.refracting.as_ref();
         worker.shading.maps = facts.maps.as_ref().map(|taken| &*taken.maps);
         let mut results = Vec::new();
         loop {
@@ -346,7 +403,7 @@ fn render_tiles<I: Intersector>(
 ///
 /// # Errors
 /// - [`Error::Interrupted`] if the observer requests a stop.
-/// - [`Error::Usage`] if rays carry polarisation or budgets.
+/// - [`Error::Unsupported`] if rays carry polarisation or budgets.
 pub fn recorded<I: Intersector>(
     scene: &Scene,
     accel: &I,
@@ -358,12 +415,11 @@ pub fn recorded<I: Intersector>(
     let facts = SceneFacts::of(scene, accel, options);
     let (stages, media) = (facts.stages(scene, options), facts.media());
     if stages.carries {
-        return Err(Error::Usage(String::from(
-            "the rays of a pixel cannot be recorded in eight lanes with polarisation or under a proven cut-off; \
-             take another --fresnel, or leave out --cutoff-error",
-        )));
+        return Err(Unsupported::RecordOfCarried.into());
     }
     let mut worker = Worker::new(scene, accel, &stages, options, None, &media, observer);
+    worker.shading.shine = Some(&facts.shine);
+    worker.shading.flats = facts.flats.as_ref();
     let tree = record::record(&mut worker, &Tile { x, y, width: 1, height: 1 })?;
     let samples = scene.settings.samples * scene.settings.samples;
     let PixelMean { radiance, truncated, .. } = worker.shading.accumulator.mean(0, samples);
@@ -392,6 +448,8 @@ struct ThreadCounts {
     seen: Seen,
     planar: PlanarCounts,
     without_map: u64,
+    without_image: u64,
+    without_body_map: u64,
 }
 
 impl ThreadCounts {
@@ -405,6 +463,8 @@ impl ThreadCounts {
             seen: worker.seen(),
             planar: PlanarCounts::of(&worker.shading.passes),
             without_map: worker.shading.without_map,
+            without_image: worker.shading.virtual_rays.traced,
+            without_body_map: worker.shading.without_body_map,
         }
     }
 
@@ -417,5 +477,7 @@ impl ThreadCounts {
         self.seen.merge(&o.seen);
         self.planar.merge(&o.planar);
         self.without_map += o.without_map;
+        self.without_image += o.without_image;
+        self.without_body_map += o.without_body_map;
     }
 }

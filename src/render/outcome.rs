@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::limit::Limit;
 use super::shortfall::Shortfall;
 use crate::image::Film;
+use crate::systems::images::PointCounts;
 use crate::systems::maps::Maps;
 
 /// Finished picture and the counts of its render.
@@ -41,6 +42,27 @@ pub struct Outcome {
     pub planar: Option<PlanarReport>,
     /// Maps that reflectors show, where that was asked for.
     pub maps: Option<MapsReport>,
+    /// Virtual scenes that reflectors show, where that was asked for.
+    pub images: Option<ImagesReport>,
+    /// Maps that refracted light is looked up in, where that was asked for.
+    pub body_maps: Option<MapsReport>,
+}
+
+/// Curved reflectors by virtual scenes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ImagesReport {
+    /// Reflectors with a virtual scene.
+    pub reflectors: usize,
+    /// Triangles of all virtual scenes.
+    pub triangles: u64,
+    /// Points of the scene that were to be moved.
+    pub points: PointCounts,
+    /// Triangles left out because a corner lies in a reflector, or has no reflection point or several.
+    pub left_out: u64,
+    /// Reflections that were traced: of other reflectors, and of these where something else shows them or pieces are left out.
+    pub traced: u64,
+    /// Reflectors without a virtual scene, with the reasons.
+    pub without: Vec<(u32, &'static str)>,
 }
 
 /// Environment maps as reflections.
@@ -67,6 +89,9 @@ pub struct PlanarReport {
     pub curved: Vec<(u32, String)>,
 }
 
+/// Weights of rays are summed in units of one over this.
+const WEIGHT_UNIT: f64 = 4_294_967_296.0;
+
 /// Counts of the mirrors of one level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MirrorLevel {
@@ -74,19 +99,25 @@ pub struct MirrorLevel {
     pub passes: u64,
     /// Their rays.
     pub rays: u64,
-    /// Sum of the largest channels of the rays' weights. Divided by the number of camera rays, it is the mean light that a
-    /// picture without this level would lack if everything had a radiance of 1.
-    pub weight: f64,
+    /// Sum of the largest channels of the rays' weights, in units of 2^-32. Whole numbers have the same sum in any order.
+    weight: u128,
     /// Largest of these weights.
     pub heaviest: f32,
 }
 
 impl MirrorLevel {
+    /// Returns the sum of the largest channels of the rays' weights. Divided by the number of camera rays, it is the mean light
+    /// that a picture without this level would lack if everything had a radiance of 1.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        self.weight as f64 / WEIGHT_UNIT
+    }
+
     /// Counts one ray.
     pub(super) fn add(&mut self, weight: glam::Vec3) {
         let weight = weight.abs().max_element();
         self.rays += 1;
-        self.weight += f64::from(weight);
+        self.weight += (f64::from(weight) * WEIGHT_UNIT) as u128;
         self.heaviest = self.heaviest.max(weight);
     }
 

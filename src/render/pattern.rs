@@ -82,11 +82,29 @@ impl LampPoints {
         [0, 1].map(|dimension| F32x8::from_fn(|k| fraction(all[k][dimension])))
     }
 
+    /// Returns the `i`th sample in the unit cube for the `sample`th camera ray of a pixel: the first two coordinates of
+    /// the Sobol point, and a third one to choose among sources. There is no grid in three dimensions, so these are
+    /// Sobol points under either pattern.
+    #[inline]
+    #[must_use]
+    pub fn in_cube(&self, by: Scramble, sample: u32, i: u32) -> [f32; 3] {
+        let number = self.index(sample, i);
+        let [x, y] = self.number(sample, i).scrambled(by);
+        let z = scrambled(third_dimension(number).reverse_bits(), mix(by.0 ^ 0x02e5_be93));
+        [x, y, z].map(fraction)
+    }
+
     #[inline(always)]
     fn number(&self, sample: u32, i: u32) -> Sobol {
-        let number = sample.wrapping_mul(self.count()).wrapping_add(i);
+        let number = self.index(sample, i);
         // The first dimension is the index with its bits reversed.
         Sobol { reversed: [number, second_dimension(number).reverse_bits()] }
+    }
+
+    /// Returns the index of a point in the sequence of its pixel.
+    #[inline(always)]
+    fn index(&self, sample: u32, i: u32) -> u32 {
+        sample.wrapping_mul(self.count()).wrapping_add(i)
     }
 }
 
@@ -158,6 +176,37 @@ const fn second_dimension(number: u32) -> u32 {
     x
 }
 
+/// Returns Sobol's third dimension, of the polynomial x^2 + x + 1 with the initial numbers 1 and 3.
+#[inline(always)]
+const fn third_dimension(number: u32) -> u32 {
+    let (mut x, mut k, mut left) = (0, 0, number);
+    while left != 0 {
+        if left & 1 != 0 {
+            x ^= THIRD_DIRECTIONS[k];
+        }
+        k += 1;
+        left >>= 1;
+    }
+    x
+}
+
+/// Direction numbers of the third dimension, with the highest bit first.
+const THIRD_DIRECTIONS: [u32; 32] = {
+    // m[k] = 2 m[k - 1] ^ 4 m[k - 2] ^ m[k - 2] (Bratley & Fox 1988), and its direction is m[k] 2^(31 - k).
+    let mut m = [0_u64; 32];
+    (m[0], m[1]) = (1, 3);
+    let mut directions = [0; 32];
+    let mut k = 0;
+    while k < 32 {
+        if k > 1 {
+            m[k] = (2 * m[k - 1]) ^ (4 * m[k - 2]) ^ m[k - 2];
+        }
+        directions[k] = (m[k] << (31 - k)) as u32;
+        k += 1;
+    }
+    directions
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,6 +239,21 @@ mod tests {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn each_pair_of_coordinates_in_the_cube_is_spread_evenly() {
+        let lamp = points(64, Pattern::Grid, 2);
+        for seed in 0..8 {
+            let by = lamp.scramble([seed, 3], 1, 2);
+            let all: Vec<_> = (0..64).map(|i| lamp.in_cube(by, 1, i)).collect();
+            for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+                let plane: Vec<_> = all.iter().map(|p| [p[a], p[b]]).collect();
+                // The first three dimensions form a (1, 6, 3)-net: boxes of two points, and each line of 64 cells has one.
+                assert!(boxes(&plane, 3, 2).iter().all(|&n| n == 2), "{a} {b}");
+                assert!(boxes(&plane, 6, 0).iter().chain(&boxes(&plane, 0, 6)).all(|&n| n == 1), "{a} {b}");
             }
         }
     }

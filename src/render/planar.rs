@@ -61,3 +61,20 @@ pub(super) fn possible(scene: &Scene, mirrors: Option<&Mirrors>) -> Result<()> {
         _ => Ok(()),
     }
 }
+
+/// Checks that some body can be raised as a whole.
+///
+/// # Errors
+/// [`Error::Usage`], where bodies bend light and none has a planar surface.
+pub(super) fn raisable(scene: &Scene, flats: Option<&Mirrors>) -> Result<()> {
+    let Some(flats) = flats else { return Ok(()) };
+    let bends = |object: u32| scene.medium_of(object as usize).is_some();
+    match flats.curved.iter().find(|(object, _)| bends(*object)) {
+        Some((object, why)) if !flats.list.iter().any(|flat| bends(flat.object)) => Err(Error::Usage(format!(
+            "--refraction raised: `{}` {why}, and no other body has a planar surface; give it flat faces without normals \
+             of their own, or take --refraction stable",
+            scene.objects[*object as usize].name
+        ))),
+        _ => Ok(()),
+    }
+}

@@ -2,9 +2,11 @@
 //! accelerator.
 
 use super::accumulate::Accumulator;
+use super::bodies::Bodies8;
 use super::budget::divide;
 use super::ceiling::Ceiling;
 use super::extra::Extra8;
+use super::images::VirtualRays;
 use super::limit::Limit;
 use super::media::{MediaTable, StackId, Transition};
 use super::options::Options;
@@ -12,6 +14,7 @@ use super::outcome::{RayCounts, RayKind, StreamCounts};
 use super::passes::Passes;
 use super::pattern::LampPoints;
 use super::queue::{Chunk, Queue, Rgb8, Spawn8};
+use super::shine::Shine;
 use super::split::mirrored::{self, ReflectStage};
 use super::stages::Stages;
 use super::surface::{HitRef, Surface8};
@@ -27,6 +30,7 @@ use crate::optics::{RefractionModel, Spectrum, transmittance};
 use crate::scene::{Bodies, Interface, Medium, Rgb, Scene};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
 use crate::systems::maps::{Maps, Proxy};
+use crate::systems::planar::Mirrors;
 
 /// Factor that makes up for rounding tolls down to `f32`.
 const ROUNDED_UP: f32 = 1.0 + 1e-6;
@@ -88,12 +92,21 @@ pub struct Shading<'a> {
     pub points: LampPoints,
     /// Finder of occluders between a point and a lamp. `None` if all samples of lamps get shadow rays.
     pub shafts: Option<&'a Shafts<'a>>,
+    /// Sources beside lamps that light surfaces.
+    pub shine: Option<&'a Shine>,
     /// Cameras mirrored in planar mirrors, and the rays that they still have to trace. Empty if none are requested.
     pub passes: Passes<'a>,
     /// Maps that reflectors show, the stand-in for their surroundings, and reflections that were traced instead.
     pub maps: Option<&'a Maps>,
+    /// Planes that raise what lies behind them, if any are asked for.
+    pub flats: Option<&'a Mirrors>,
+    /// Rays of the eye that go on in virtual scenes; empty if none are requested.
+    pub(super) virtual_rays: VirtualRays<'a>,
     pub proxy: Proxy,
     pub without_map: u64,
+    /// Maps of bodies that refracted light is looked up in, if any are asked for, and rays that were traced instead.
+    pub(super) bodies: Option<&'a Bodies8>,
+    pub without_body_map: u64,
     /// Current tile, and index of the current camera ray within its pixel.
     pub tile: Tile,
     pub sample: u32,
@@ -139,10 +152,15 @@ impl<'a> Shading<'a> {
             shadows: Queue::new(stages.carries),
             points: LampPoints::new(&scene.settings.lamps),
             shafts: None,
+            shine: None,
             passes: Passes::default(),
             maps: None,
+            flats: None,
+            virtual_rays: VirtualRays::default(),
             proxy: options.proxy,
             without_map: 0,
+            bodies: None,
+            without_body_map: 0,
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }
@@ -306,6 +324,14 @@ impl<'a> Shading<'a> {
     #[inline(always)]
     pub fn interface(&self, surface: &Surface8, k: usize) -> &'a Interface {
         &self.scene.materials[surface.material[k] as usize].interface
+    }
+
+    /// Returns the lanes of a surface that lie in planes.
+    #[cold]
+    pub fn flat(&self, surface: &Surface8, lanes: u8) -> u8 {
+        let Some(flats) = self.flats else { return 0 };
+        let flat = |k: &usize| flats.at(surface.hit[*k].geometry, surface.hit[*k].primitive).is_some();
+        set_lanes(lanes).filter(flat).fold(0, |bits, k| bits | 1 << k)
     }
 
     /// Returns the transition at the surface of lane `k`, or at all surfaces that coincide there. Returns `None` if the

@@ -23,7 +23,7 @@ const TOO_FEW: u32 = 4;
 
 /// Largest number of shadow rays queued by one call of a stage, so that memory does not grow with the number of
 /// samples.
-const MOST_QUEUED: usize = 1 << 14;
+pub(super) const MOST_QUEUED: usize = 1 << 14;
 
 /// Function that adds the light of the lamp with the given scene index to surfaces with these bases. The last argument
 /// is the depth of the rays that hit them.

@@ -10,6 +10,7 @@ use super::light::{self, LightStage};
 use super::medium::{self, MediumStage};
 use super::options::Options;
 use super::outcome::Stage;
+use super::shine;
 use super::sky::{self, MissStage};
 use super::soft::{self, SoftStages};
 use super::split::{self, SplitStage};
@@ -56,7 +57,7 @@ pub struct BinStages {
     pub base: Option<BaseStage>,
     /// Light stages of the lights without extent that the bases reflect, with their indices in the scene.
     pub lights: Vec<(usize, LightStage)>,
-    /// Light stages of the area lamps, with their indices in the scene.
+    /// Light stages of the area lamps, with their indices in the scene, and of what else shines ([`shine::Shiner`]).
     pub lamps: Vec<(usize, SoftStages)>,
 }
 
@@ -135,7 +136,10 @@ impl<'a> StagePicker<'a> {
     /// Returns the kinds of shape of the selected objects.
     fn shapes(self, of: impl Fn(usize) -> bool) -> Shapes {
         let mut shapes = if self.all { Shapes::ALL } else { Shapes::default() };
-        self.objects().filter(|&o| of(o)).for_each(|o| shapes.add(&self.scene.geometry[o].shape));
+        for o in self.objects().filter(|&o| of(o)) {
+            shapes.add(&self.scene.geometry[o].shape);
+            shapes.relief |= self.material(o).relief.is_some();
+        }
         shapes
     }
 
@@ -151,16 +155,18 @@ impl<'a> StagePicker<'a> {
         let (mut base, mut lights, mut lamps) = (None, Vec::new(), Vec::new());
         if bin_has_base(bin) {
             let any = |of: &dyn Fn(&Material) -> bool| all || materials.iter().any(|m| of(m));
-            let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)));
+            let textured = any(&|m| !matches!(m.diffuse, Colour::Constant(_)) || m.glow.is_some());
             let shiny = any(&|m| m.highlight.is_some());
             let glowing = any(&|m| m.emission != Rgb::ZERO || m.ambient * scene.ambient != Rgb::ZERO);
             if any(&Material::answers_light) {
                 // A light of intensity 0, or one that is walled in, contributes nothing.
                 let adds = |i: usize, l: &Light| l.intensity != Rgb::ZERO && !self.reach.dark[i];
-                let shining = || scene.lights.iter().enumerate().filter(|&(i, l)| all || adds(i, l));
+                let by_itself = |&(i, l): &(usize, &Light)| (all || adds(i, l)) && !scene.is_sampled(l);
+                let shining = || scene.lights.iter().enumerate().filter(by_itself);
                 lights = shining().filter_map(|(i, l)| Some((i, light::pick(l, shiny, all || l.shadows)?))).collect();
                 let sampling = &scene.settings.lamps;
                 lamps = shining().filter_map(|(i, l)| Some((i, soft::pick(l, shiny, sampling)?))).collect();
+                lamps.extend(shine::stages(scene, all));
             }
             base = (glowing || !lights.is_empty() || !lamps.is_empty()).then(|| base::pick(textured, shiny, glowing));
         }

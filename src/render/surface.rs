@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::lookup::on_surface;
 use super::media::StackId;
 use super::queue::{Chunk, Rgb8, Spawn8};
+use super::relief::embossed;
 use crate::geometry::{GeometryMask, Hit, Hit8, Shape, Spot};
 use crate::math::{LaneMask, Real};
 use crate::optics::consistent_normal;
@@ -72,11 +73,13 @@ pub struct Shapes {
     pub spheres: bool,
     /// Planes.
     pub planes: bool,
+    /// Meshes with a picture of normals.
+    pub relief: bool,
 }
 
 impl Shapes {
     /// All kinds.
-    pub const ALL: Self = Self { flat: true, smooth: true, spheres: true, planes: true };
+    pub const ALL: Self = Self { flat: true, smooth: true, spheres: true, planes: true, relief: true };
 
     /// Adds a shape's kind.
     pub fn add(&mut self, shape: &Shape) {
@@ -92,19 +95,22 @@ impl Shapes {
 /// Picks a gather stage that handles at least these shapes.
 #[must_use]
 pub fn pick(shapes: Shapes) -> GatherStage {
+    if shapes.relief {
+        return gather::<true, true, true, true, true>;
+    }
     match (shapes.flat, shapes.smooth, shapes.spheres, shapes.planes) {
-        (_, false, false, false) => gather::<true, false, false, false>,
-        (_, true, false, false) => gather::<true, true, false, false>,
-        (false, false, true, false) => gather::<false, false, true, false>,
-        (false, false, false, true) => gather::<false, false, false, true>,
-        (false, false, true, true) => gather::<false, false, true, true>,
-        (_, false, _, _) => gather::<true, false, true, true>,
+        (_, false, false, false) => gather::<true, false, false, false, false>,
+        (_, true, false, false) => gather::<true, true, false, false, false>,
+        (false, false, true, false) => gather::<false, false, true, false, false>,
+        (false, false, false, true) => gather::<false, false, false, true, false>,
+        (false, false, true, true) => gather::<false, false, true, true, false>,
+        (_, false, _, _) => gather::<true, false, true, true, false>,
         // An unusual mix uses the stage that handles every kind.
-        (_, true, _, _) => gather::<true, true, true, true>,
+        (_, true, _, _) => gather::<true, true, true, true, false>,
     }
 }
 
-fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool>(
+fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool, const RELIEF: bool>(
     scene: &Scene,
     chunk: &Chunk,
     hits: &[Hit8],
@@ -114,7 +120,7 @@ fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLA
     debug_assert!(refs.is_sorted_by(|a, b| a < b), "places ascend");
     surfaces.clear();
     for eight in refs.chunks(8) {
-        surfaces.push(Surface8::gather::<MESHES, SMOOTH, SPHERES, PLANES>(scene, chunk, hits, eight));
+        surfaces.push(Surface8::gather::<MESHES, SMOOTH, SPHERES, PLANES, RELIEF>(scene, chunk, hits, eight));
     }
 }
 
@@ -129,7 +135,7 @@ fn whole_packet(refs: &[HitRef]) -> Option<usize> {
 impl Surface8 {
     /// Gathers up to eight hits (at least one) of a chunk.
     #[inline(always)]
-    fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool>(
+    fn gather<const MESHES: bool, const SMOOTH: bool, const SPHERES: bool, const PLANES: bool, const RELIEF: bool>(
         scene: &Scene,
         chunk: &Chunk,
         hits: &[Hit8],
@@ -158,7 +164,10 @@ impl Surface8 {
             }
         }
         let material = hit.map(|hit| scene.objects[hit.geometry as usize].material);
-        let raw = RawSurface8::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
+        let mut raw = RawSurface8::of::<MESHES, SMOOTH, SPHERES, PLANES>(scene, &hit, origin, incident, t);
+        if RELIEF {
+            raw.emboss(scene, &hit);
+        }
 
         // The geometric normal decides the side; both normals then face the ray.
         let facing = incident.dot(raw.outward);
@@ -198,7 +207,7 @@ impl Surface8 {
     /// Gathers the surface that the first lane of a chunk hit, whatever its shape.
     #[must_use]
     pub fn one(scene: &Scene, chunk: &Chunk, hits: &[Hit8]) -> Self {
-        Self::gather::<true, true, true, true>(scene, chunk, hits, &[0])
+        Self::gather::<true, true, true, true, true>(scene, chunk, hits, &[0])
     }
 
     /// Returns the origins of rays that leave on the side of arrival.
@@ -376,6 +385,21 @@ impl RawSurface8 {
             raw.replace(Mask8::from_bits(planes), &on_plane());
         }
         raw
+    }
+
+    /// Replaces the normals of meshes with a picture of normals.
+    #[inline(never)]
+    fn emboss(&mut self, scene: &Scene, hit: &[Hit; 8]) {
+        let mut changed = 0;
+        for (k, h) in hit.iter().enumerate() {
+            let plain = if self.interpolated.lane(k) { self.shading.lane(k) } else { self.outward.lane(k) };
+            let weights = [h.u, h.v].map(f64::from);
+            if let Some(normal) = embossed(scene, h.geometry, h.primitive, weights, plain.as_dvec3()) {
+                self.shading.set_lane(k, normal.as_vec3());
+                changed |= 1 << k;
+            }
+        }
+        self.interpolated |= Mask8::from_bits(changed);
     }
 
     fn replace(&mut self, lanes: Mask8, other: &Spot<F32x8>) {

@@ -8,6 +8,7 @@ use super::camera::{Lens, sample_offset};
 use super::ceiling::Ceiling;
 use super::class::{BINS, bin_of};
 use super::extra::Extra8;
+use super::images::Found;
 use super::media::StackId;
 use super::options::{Observer, Options};
 use super::outcome::{RayKind, Seen, Stage};
@@ -166,6 +167,9 @@ impl<'a, I: Intersector> Worker<'a, I> {
         if self.shading.passes.is_on() {
             self.mirrored(tile, first, &mut chunk)?;
         }
+        if self.shading.virtual_rays.is_on() {
+            self.in_virtual_scenes()?;
+        }
         while let Some((depth, kind)) = self.shading.next_queue(8 * CHUNK_PACKETS) {
             chunk.clear();
             self.shading.queue(kind, depth).take(CHUNK_PACKETS, &mut chunk);
@@ -200,11 +204,29 @@ impl<'a, I: Intersector> Worker<'a, I> {
         Ok(())
     }
 
+    /// Shades what rays of the eye show that go on in virtual scenes.
+    fn in_virtual_scenes(&mut self) -> Result<()> {
+        let mut found = Found::default();
+        loop {
+            found.clear();
+            if !self.shading.virtual_rays.take(self.shading.scene, CHUNK_PACKETS, &mut found) {
+                return Ok(());
+            }
+            self.shading.counts.add(RayKind::Reflected, 1, found.shown.len());
+            let mut hits = std::mem::take(&mut self.hits);
+            hits.clone_from(&found.hits);
+            self.shade_chunk(&mut found.shown, hits, 1, RayKind::Reflected, Coherence::Coherent)?;
+            if !found.unknown.rays.is_empty() {
+                self.step(&mut found.unknown, 1, RayKind::Reflected)?;
+            }
+        }
+    }
+
     /// Returns the number of camera rays to trace together: all samples of a pixel, and as many pixels as make long
     /// streams. No more than that, since pixels near each other share cached nodes. Area lamps and dispersion need the
     /// sample index, so samples are then traced one index at a time.
     fn at_once(&self, samples: u32) -> AtOnce {
-        let passes = self.shading.passes.is_on();
+        let passes = self.shading.passes.is_on() || self.shading.virtual_rays.is_on();
         let numbered =
             passes || self.shading.media.disperses() || self.stages.bins.iter().flatten().any(|b| !b.lamps.is_empty());
         if numbered {
@@ -278,6 +300,18 @@ impl<'a, I: Intersector> Worker<'a, I> {
         if let Some(object) = self.past.filter(|_| kind == RayKind::Camera) {
             past::go_on(self.accel, &mut self.scratch, object, &chunk.rays, &mut hits);
         }
+        self.shade_chunk(chunk, hits, depth, kind, coherence)
+    }
+
+    /// Sorts the hits of a chunk into bins, and runs each bin through its stages.
+    fn shade_chunk(
+        &mut self,
+        chunk: &mut Chunk,
+        mut hits: Vec<Hit8>,
+        depth: usize,
+        kind: RayKind,
+        coherence: Coherence,
+    ) -> Result<()> {
         if self.stages.touching {
             self.arrive(chunk, &mut hits);
         }

@@ -4,7 +4,7 @@ use super::Rgb;
 use super::map::MapKind;
 
 /// Radiance by direction for rays that hit nothing. It is visible directly, in reflections and by refraction. It lights
-/// no diffuse surface; use ambient light for that.
+/// diffuse surfaces where the setting [`super::LightsFrom`] says so.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Environment {
     /// Constant radiance.

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Rgb;
 
-/// Light. It is not visible itself; emissive surfaces are visible but illuminate nothing.
+/// Lamp. It is not visible itself. What else lights surfaces is the setting [`super::LightsFrom`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Name used in messages.

@@ -39,8 +39,12 @@ pub struct Material {
     pub diffuse: Colour,
     /// Highlight of each light around its mirror direction.
     pub highlight: Option<Highlight>,
-    /// Emitted radiance; visible, but not a light source.
+    /// Emitted radiance. It lights other surfaces where the setting [`super::LightsFrom`] says so.
     pub emission: Rgb,
+    /// Emission that varies over the surface; `emission` is then its mean.
+    pub glow: Option<Colour>,
+    /// Picture of normals, for meshes with texture coordinates.
+    pub relief: Option<Relief>,
     /// Interaction with the arriving ray.
     pub interface: Interface,
 }
@@ -54,6 +58,8 @@ impl Default for Material {
             diffuse: Colour::Constant(Rgb::splat(0.5)),
             highlight: None,
             emission: Rgb::ZERO,
+            glow: None,
+            relief: None,
             interface: Interface::Opaque,
         }
     }
@@ -131,6 +137,16 @@ pub enum Colour {
         /// Corner where eight cubes meet, in scene units.
         offset: Vec3,
     },
+}
+
+/// Normals in a picture, which replace the normals that shade a mesh. A channel `c` stands for `2 c - 1`: red along the
+/// direction in which `u` grows on the surface, green along that of `v`, blue along the normal of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    /// Index into `Scene::textures`, looked up as by [`Colour::Image`].
+    pub texture: u32,
+    /// Factor on red and green.
+    pub strength: f32,
 }
 
 /// Highlight of a light.

@@ -11,6 +11,7 @@ pub mod map;
 mod material;
 pub mod ranges;
 mod settings;
+mod shine;
 mod texels;
 mod texture;
 mod validate;
@@ -22,11 +23,12 @@ pub use dispersion::Dispersion;
 pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind, Spread};
 pub use map::MapKind;
-pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource};
-pub use settings::{LampSampling, Pattern, Settings, ShadowRule};
+pub use material::{Colour, FresnelRule, Highlight, HighlightModel, Interface, Material, Medium, MirrorSource, Relief};
+pub use settings::{LampChoice, LampSampling, LightsFrom, Pattern, Settings, ShadowRule};
+pub use shine::Shining;
 pub use texels::Texels;
 pub use texture::{Beyond, Texture, Wrap};
-pub use validate::{Part, Place, SceneError};
+pub use validate::{Part, SceneEntry, SceneError};
 
 use glam::DVec3;
 

@@ -17,6 +17,12 @@ pub struct Settings {
     pub shadows: ShadowRule,
     /// Sampling of area lamps.
     pub lamps: LampSampling,
+    /// Treatment of many lamps.
+    pub lamp_choice: LampChoice,
+    /// Sources that light surfaces.
+    pub lights_from: LightsFrom,
+    /// True if surfaces cast shadows in the light of emissive shapes and of the environment.
+    pub shine_shadows: bool,
     /// Number of wavelengths that a white ray divides into at dispersive media, at least 7; fewer count as 7.
     pub wavelengths: u32,
 }
@@ -31,6 +37,9 @@ impl Default for Settings {
             cutoff: 1.0 / 1024.0,
             shadows: ShadowRule::Straight,
             lamps: LampSampling::default(),
+            lamp_choice: LampChoice::default(),
+            lights_from: LightsFrom::default(),
+            shine_shadows: true,
             wavelengths: 12,
         }
     }
@@ -45,6 +54,47 @@ crate::choice! {
         ///
         /// The reflectance at a surface is that seen from its thinner side, so that it is the same both ways. There are no caustics.
         "straight" => Straight,
+    }
+}
+
+crate::choice! {
+    /// Sources of the light on matt surfaces.
+    pub enum LightsFrom("lights-from", derive(Eq), default(Auto)) {
+        /// Lamps; in a scene without lamps and ambient light, emissive shapes and the environment as well.
+        "auto" => Auto,
+        /// Lamps only.
+        "lamps" => Lamps,
+        /// Lamps and emissive shapes.
+        "emissive" => Emissive,
+        /// Lamps and the environment.
+        "sky" => Sky,
+        /// Lamps, emissive shapes and the environment.
+        "all" => All,
+    }
+}
+
+impl LightsFrom {
+    /// Returns the level under which only lamps and the given sources light surfaces.
+    #[must_use]
+    pub fn only(emissive: bool, sky: bool) -> Self {
+        match (emissive, sky) {
+            (false, false) => Self::Lamps,
+            (true, false) => Self::Emissive,
+            (false, true) => Self::Sky,
+            (true, true) => Self::All,
+        }
+    }
+}
+
+crate::choice! {
+    /// Lamps that light a surface.
+    pub enum LampChoice("lamps", derive(Eq), default(Each)) {
+        /// Every lamp lights every surface.
+        "each" => Each,
+        /// Of point and spot lamps with inverse-square falloff and shadows, a sample lights each point, chosen by what arrives.
+        ///
+        /// The cost grows with the logarithm of their number, and the picture has the noise of area lamps.
+        "sampled" => Sampled,
     }
 }
 

@@ -8,7 +8,7 @@ use crate::geometry::Shape;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
-use crate::scene::{Interface, Material, Scene, ShadowRule};
+use crate::scene::{Interface, LightsFrom, Material, Scene, ShadowRule};
 use crate::simd::ReciprocalModel;
 
 crate::choice! {
@@ -22,6 +22,8 @@ crate::choice! {
         "reflection" => Reflection,
         /// Effect of transparent surfaces on shadows.
         "shadows" => Shadows,
+        /// Sources of the light on matt surfaces.
+        "lights-from" => LightsFrom,
         /// Exact spheres, or meshes.
         "spheres" => Spheres,
         /// Weight below which a ray ends, or a proven bound on what that changes.
@@ -71,6 +73,8 @@ pub enum Level {
     Reflection(Reflection),
     /// Level of [`Axis::Shadows`].
     Shadows(ShadowRule),
+    /// Level of [`Axis::LightsFrom`].
+    LightsFrom(LightsFrom),
     /// Level of [`Axis::Spheres`].
     Spheres(Spheres),
     /// Level of [`Axis::Cutoff`]: a fixed weight in 0..=1.
@@ -119,6 +123,7 @@ impl Axis {
             Self::Refraction => of(Level::Refraction),
             Self::Reflection => of(Level::Reflection),
             Self::Shadows => of(Level::Shadows),
+            Self::LightsFrom => of(Level::LightsFrom),
             Self::Spheres => {
                 let bands = [8, 16, 32, 64, 128].map(Spheres::Bands);
                 bands.into_iter().chain([Spheres::Exact]).map(Level::Spheres).collect()
@@ -155,9 +160,15 @@ impl Axis {
             Self::Reflection if !scene.materials.iter().any(Material::reflects) => {
                 Some("no material of the scene reflects")
             }
-            Self::Shadows if !scene.lights.iter().any(|l| l.shadows) => Some("no light of the scene casts shadows"),
+            Self::Shadows if !(scene.lights.iter().any(|l| l.shadows) || scene.shining().any()) => {
+                Some("no light of the scene casts shadows")
+            }
             Self::Shadows if !scene.materials.iter().any(Material::is_transmissive) => {
                 Some("nothing in the scene lets light through")
+            }
+            Self::LightsFrom if !scene.has_shiners() => Some("nothing in the scene shines but its lamps"),
+            Self::LightsFrom if !scene.materials.iter().any(Material::answers_light) => {
+                Some("no surface of the scene answers light")
             }
             Self::Spheres if !scene.geometry.iter().any(|g| matches!(g.shape, Shape::Sphere(_))) => {
                 Some("the scene has no exact sphere")
@@ -179,6 +190,7 @@ impl Level {
             Self::Refraction(_) => Axis::Refraction,
             Self::Reflection(_) => Axis::Reflection,
             Self::Shadows(_) => Axis::Shadows,
+            Self::LightsFrom(_) => Axis::LightsFrom,
             Self::Spheres(_) => Axis::Spheres,
             Self::Cutoff(_) | Self::Proven(_) => Axis::Cutoff,
             Self::Depth(_) => Axis::Depth,
@@ -199,6 +211,7 @@ impl Level {
             Axis::Refraction => read(name, Self::Refraction),
             Axis::Reflection => read(name, Self::Reflection),
             Axis::Shadows => read(name, Self::Shadows),
+            Axis::LightsFrom => read(name, Self::LightsFrom),
             Axis::Spheres if name == "exact" => Some(Self::Spheres(Spheres::Exact)),
             Axis::Spheres => number(name).map(|n| Self::Spheres(Spheres::Bands(n))),
             Axis::Cutoff => match name.strip_prefix("proven ") {
@@ -248,6 +261,7 @@ impl fmt::Display for Level {
             Self::Refraction(level) => level.fmt(f),
             Self::Reflection(level) => level.fmt(f),
             Self::Shadows(level) => level.fmt(f),
+            Self::LightsFrom(level) => level.fmt(f),
             Self::Spheres(Spheres::Exact) => f.write_str("exact"),
             Self::Spheres(Spheres::Bands(n)) | Self::Depth(n) => write!(f, "{n}"),
             Self::Cutoff(w) => write!(f, "{}", Quotient(w)),

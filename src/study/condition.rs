@@ -129,7 +129,8 @@ impl<'a> Pixel<'a> {
     /// Returns true if the pixel changes at `ulps`, or `None` if `goes_on` returned false first.
     fn moves(&self, ulps: f64, goes_on: &dyn Fn() -> bool) -> Option<bool> {
         let reach = self.condition.scene.camera.eye.as_dvec3().abs().max_element();
-        let lit = self.condition.scene.lights.iter().any(|light| light.shadows);
+        let scene = self.condition.scene;
+        let lit = scene.lights.iter().any(|light| light.shadows) || scene.shining().any();
         let moves = |k: u32| {
             let (sin, cos) = (f64::from(k % 8) * FRAC_PI_4).sin_cos();
             let corner = DVec3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 1.0 } else { -1.0 }));

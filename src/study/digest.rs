@@ -4,7 +4,7 @@ use std::fs::File;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read as _;
 
-use super::run::Subject;
+use super::subject::Subject;
 use crate::geometry::{Shape, TriMesh};
 use crate::scene::Scene;
 
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 pub fn of(subject: &Subject) -> String {
     let mut hasher = DefaultHasher::new();
     scene(subject.scene, &mut hasher);
-    subject.default.flags().hash(&mut hasher);
+    format!("{:?}", subject.default).hash(&mut hasher);
     (subject.size, subject.threads, &subject.machine.cpu, subject.machine.processors).hash(&mut hasher);
     subject.machine.embree.as_ref().map(|e| (&e.version, &e.file)).hash(&mut hasher);
     (subject.machine.vitrum, subject.machine.simd).hash(&mut hasher);

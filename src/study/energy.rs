@@ -106,6 +106,8 @@ mod tests {
             touching: TouchingFound::default(),
             planar: None,
             maps: None,
+            images: None,
+            body_maps: None,
         };
         let ledger = Ledger::of(&outcome, &film([1.0, 0.5]));
         assert_eq!((ledger.light, ledger.reference), (0.875, 0.75));

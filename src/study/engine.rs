@@ -92,7 +92,7 @@ impl<'a> Engine<'a> {
             Precision::Double => {
                 let start = Instant::now();
                 Reference::need(&scene.geometry)?;
-                let prepared = Prepared::with(scene, &options);
+                let prepared = Prepared::complete(scene, &options, observer)?;
                 let build_seconds = start.elapsed().as_secs_f64();
                 let start = Instant::now();
                 let outcome = reference::picture(&prepared, &options, observer)?;

@@ -30,6 +30,7 @@ const fn colour(axis: Axis) -> &'static str {
         Axis::Refraction => "#b0467b",
         Axis::Reflection => "#4f5bd5",
         Axis::Shadows => "#e69f00",
+        Axis::LightsFrom => "#a65628",
         Axis::Spheres => "#e58ab0",
         Axis::Cutoff => "#d55e00",
         Axis::Depth => "#6a3d9a",
@@ -93,18 +94,22 @@ pub fn page(report: &Report, pictures: &[Option<Pair>], references: &References)
     let data = serde_json::to_string(&Data { report, pictures, references }).unwrap_or_default();
     // A script element must not contain its own end tag.
     let data = data.replace('<', "\\u003c");
-    let ramp: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
     let colours: Vec<String> = Axis::ALL.iter().map(|&a| format!("\"{}\": \"{}\"", a.name(), colour(a))).collect();
     let title = escaped(&report.subject.scene);
-    let style = STYLE.replace("@RAMP@", &ramp.join(", "));
     let script = SCRIPT.replace("@COLOURS@", &format!("{{ {} }}", colours.join(", ")));
     // The data come last, so that their content is never taken for a placeholder.
-    let page = PAGE.replace("@STYLE@", &style).replace("@SCRIPT@", &script).replace("@TITLE@", &title);
+    let page = PAGE.replace("@STYLE@", &style()).replace("@SCRIPT@", &script).replace("@TITLE@", &title);
     Ok(page.replacen("@DATA@", &data, 1))
 }
 
+/// Returns the style sheet of all pages.
+pub(super) fn style() -> String {
+    let ramp: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
+    STYLE.replace("@RAMP@", &ramp.join(", "))
+}
+
 /// Returns a film as the `src` of an image.
-fn png(film: &Film) -> Result<String> {
+pub(super) fn png(film: &Film) -> Result<String> {
     let encoding = Encoding { format: Format::Png, bits: Bits::Eight, metadata: Vec::new() };
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(image::encode(film, &encoding)?.bytes)))
 }
@@ -128,7 +133,7 @@ fn ramp(difference: f64) -> [f32; 3] {
 }
 
 /// Text with HTML's own characters taken out.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

@@ -11,10 +11,10 @@ use super::energy::Ledger;
 use super::errors::Errors;
 use super::reference::{Made, Reference};
 use super::variant::Variant;
+use crate::error::{Error, Result, Unsupported};
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::render::{RayCounts, RayKind};
 use crate::system::files;
-use crate::{Error, Result};
 
 /// Subfolder reserved for the study's own files.
 const KEPT: &str = "study";
@@ -133,7 +133,7 @@ impl Journal {
     ///
     /// # Errors
     /// - `Error::Io` if a file cannot be read or created.
-    /// - `Error::Usage` if the folder contains another study, unless `fresh` discards it.
+    /// - `Error::Unsupported` if the folder contains another study, unless `fresh` discards it.
     pub fn open(folder: &Path, digest: &str, fresh: bool) -> Result<Self> {
         let kept = folder.join(KEPT);
         files::create_folder(&kept)?;
@@ -152,11 +152,7 @@ impl Journal {
             match serde_json::from_str(line) {
                 Ok(Line::Study(header)) if header.digest == digest => journal.header = Some(header),
                 Ok(Line::Study(_)) => {
-                    return Err(Error::Usage(format!(
-                        "{}: holds a study of another scene, other options, another program or another machine; choose \
-                         another folder, or add --fresh to forget it",
-                        folder.display()
-                    )));
+                    return Err(Unsupported::AnotherStudy { folder: folder.to_owned() }.into());
                 }
                 Ok(Line::Own(made)) => journal.own = journal.reference(made),
                 Ok(Line::Fine(made)) => journal.fine = journal.reference(made),
@@ -296,7 +292,7 @@ fn ends_a_line(file: &mut File) -> io::Result<bool> {
 #[must_use]
 pub fn film_name(variant: &Variant) -> String {
     let mut hasher = DefaultHasher::new();
-    variant.flags().hash(&mut hasher);
+    format!("{variant:?}").hash(&mut hasher);
     format!("{:016x}.pfm", hasher.finish())
 }
 

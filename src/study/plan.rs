@@ -1,5 +1,7 @@
 //! Selection of the variants to measure.
 
+use std::fmt;
+
 use super::axis::{Axis, Level};
 use super::front::front;
 use super::systems;
@@ -28,14 +30,37 @@ pub struct Point {
     pub mse: f64,
 }
 
+/// Part of a study that is not measured.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Names of the axes, levels or variants.
+    pub titles: Vec<String>,
+    /// Reason that they share.
+    pub why: String,
+}
+
+impl LeftOut {
+    /// Creates an entry with one name.
+    #[must_use]
+    pub fn new(title: impl Into<String>, why: impl Into<String>) -> Self {
+        Self { titles: vec![title.into()], why: why.into() }
+    }
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: {}", self.titles.join(", "), self.why)
+    }
+}
+
 /// Returns the levels of each axis with the others at their defaults, and the reasons why axes or levels are left out.
 #[must_use]
-pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, Vec<Variant>)>, Vec<String>) {
+pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, Vec<Variant>)>, Vec<LeftOut>) {
     let mut plan = Vec::new();
     let mut left_out = Vec::new();
     for axis in Axis::ALL.into_iter().filter(|axis| axes.contains(axis)) {
         if let Some(why) = axis.idle(scene) {
-            left_out.push(format!("{}: {why}", axis.name()));
+            left_out.push(LeftOut::new(axis.name(), why));
             continue;
         }
         let mut variants = Vec::new();
@@ -43,11 +68,15 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
             match level {
                 Level::Backend(backend) => match backend.availability() {
                     Ok(()) => variants.push(default.with(level)),
-                    Err(why) => left_out.push(format!("backend {level}: {why}")),
+                    Err(why) => left_out.push(LeftOut::new(format!("backend {level}"), why.to_string())),
                 },
-                Level::Reflection(reflection) => match systems::unfit(scene, reflection) {
-                    None => variants.push(default.with(level)),
-                    Some(why) => left_out.push(format!("reflection {level}: {why}")),
+                Level::Reflection(reflection) => match systems::reflection(scene, reflection) {
+                    Ok(_) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(LeftOut::new(format!("reflection {level}"), why)),
+                },
+                Level::Refraction(refraction) => match systems::refraction(scene, refraction) {
+                    Ok(_) => variants.push(default.with(level)),
+                    Err(why) => left_out.push(LeftOut::new(format!("refraction {level}"), why)),
                 },
                 _ => variants.push(default.with(level)),
             }

@@ -2,7 +2,7 @@
 
 use super::engine::Engine;
 use super::reference;
-use super::run::Subject;
+use super::subject::Subject;
 use crate::Result;
 use crate::render::Observer;
 use crate::scene::{Scene, Settings};

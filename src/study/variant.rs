@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::Path;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -12,7 +11,7 @@ use crate::choice::Choice;
 use crate::geometry::triangle_test::TriangleModel;
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Options, Reflection};
-use crate::scene::{Settings, ShadowRule};
+use crate::scene::{LightsFrom, Settings, ShadowRule};
 use crate::simd::ReciprocalModel;
 
 /// One level of each axis, and the build quality.
@@ -26,6 +25,8 @@ pub struct Variant {
     pub reflection: Reflection,
     /// Effect of transparent surfaces on shadows.
     pub shadows: ShadowRule,
+    /// Sources of the light on matt surfaces.
+    pub lights_from: LightsFrom,
     /// Representation of spheres.
     pub spheres: Spheres,
     /// Weight below which a ray ends, 0..=1.
@@ -57,6 +58,7 @@ impl Variant {
             refraction: RefractionModel::Stable,
             reflection: Reflection::Traced,
             shadows: settings.shadows,
+            lights_from: settings.lights_from,
             spheres: Spheres::Exact,
             cutoff: settings.cutoff,
             proven: None,
@@ -78,6 +80,7 @@ impl Variant {
             Axis::Refraction => Level::Refraction(self.refraction),
             Axis::Reflection => Level::Reflection(self.reflection),
             Axis::Shadows => Level::Shadows(self.shadows),
+            Axis::LightsFrom => Level::LightsFrom(self.lights_from),
             Axis::Spheres => Level::Spheres(self.spheres),
             Axis::Cutoff => self.proven.map_or(Level::Cutoff(self.cutoff), Level::Proven),
             Axis::Depth => Level::Depth(self.depth),
@@ -97,6 +100,7 @@ impl Variant {
             Level::Refraction(x) => self.refraction = x,
             Level::Reflection(x) => self.reflection = x,
             Level::Shadows(x) => self.shadows = x,
+            Level::LightsFrom(x) => self.lights_from = x,
             Level::Spheres(x) => self.spheres = x,
             Level::Cutoff(x) => (self.cutoff, self.proven) = (x, None),
             // A proof replaces the cut-off.
@@ -150,6 +154,7 @@ impl Variant {
             max_depth: self.depth,
             cutoff: self.cutoff,
             shadows: self.shadows,
+            lights_from: self.lights_from,
             ..of.clone()
         }
     }
@@ -165,57 +170,6 @@ impl Variant {
             threads,
             ..Options::default()
         }
-    }
-
-    /// Returns the options of `vitrum render` that repeat it.
-    #[must_use]
-    pub fn flags(&self) -> Vec<String> {
-        let mut flags = vec![
-            format!("--samples {}", self.samples),
-            format!("--depth {}", self.depth),
-            match self.proven {
-                Some(error) => format!("--cutoff-error {error}"),
-                None => format!("--cutoff {}", self.cutoff),
-            },
-            format!("--fresnel {}", self.level(Axis::Fresnel)),
-        ];
-        flags.push(format!("--refraction {}", self.level(Axis::Refraction)));
-        flags.push(format!("--reflection {}", self.level(Axis::Reflection)));
-        flags.push(format!("--shadows {}", self.level(Axis::Shadows)));
-        if let Spheres::Bands(n) = self.spheres {
-            flags.push(format!("--spheres {n}"));
-        }
-        flags.push(match (self.precision, self.walk()) {
-            (Precision::Double, _) => String::from("--backend reference"),
-            (_, Some((test, reciprocal))) => {
-                format!("--backend native --triangles {} --reciprocal {}", test.name(), reciprocal.name())
-            }
-            _ => format!("--backend {}", self.level(Axis::Backend)),
-        });
-        // The f64 renderer has no hierarchy to build.
-        if self.bvh != BuildQuality::Default && self.precision == Precision::Single {
-            flags.push(format!("--bvh {}", self.bvh.name()));
-        }
-        flags
-    }
-
-    /// Returns the command that repeats this picture of `scene`, for a shell.
-    #[must_use]
-    pub fn command(&self, scene: &Path, size: [u32; 2]) -> String {
-        let [width, height] = size;
-        let scene = quoted(&scene.display().to_string());
-        format!("vitrum render {scene} -o picture.exr --width {width} --height {height} {}", self.flags().join(" "))
-    }
-}
-
-/// Quotes a word for a shell.
-#[must_use]
-pub fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "/._-+=:,@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
     }
 }
 
@@ -247,9 +201,11 @@ impl<'de> Deserialize<'de> for Variant {
     }
 }
 
+/// Writes every axis with its level.
 impl fmt::Display for Variant {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(&self.flags().join(" "))
+        let levels = Axis::ALL.map(|axis| format!("{} {}", axis.name(), self.level(axis)));
+        f.write_str(&levels.join(", "))
     }
 }
 
@@ -266,9 +222,6 @@ mod tests {
         let other = default().with(Level::Depth(4)).with(Level::Fresnel(FresnelModel::Schlick));
         assert_eq!(default().name(&default()), "default");
         assert_eq!(other.name(&default()), "fresnel schlick, depth 4");
-        assert!(other.command(Path::new("it's.toml"), [3, 2]).contains(r"'it'\''s.toml' -o"));
-        assert!(other.command(Path::new("a.toml"), [3, 2]).contains("--depth 4 "));
-        assert!(other.with(Level::Precision(Precision::Double)).to_string().ends_with("--backend reference"));
     }
 
     #[test]
@@ -285,15 +238,5 @@ mod tests {
             let text = serde_json::to_string(&variant).unwrap();
             assert_eq!(serde_json::from_str::<Variant>(&text).unwrap(), variant);
         }
-    }
-
-    #[test]
-    fn the_quality_of_a_hierarchy_is_told_where_there_is_one_and_it_is_not_the_default() {
-        let fast = Variant { bvh: BuildQuality::Fast, ..default() };
-        assert!(fast.to_string().ends_with("--backend native --bvh fast"), "{fast}");
-        assert!(fast.with(Level::Triangles(Some(TriangleModel::Pluecker))).to_string().ends_with(" --bvh fast"));
-        assert!(!default().to_string().contains("--bvh"));
-        assert!(fast.with(Level::Precision(Precision::Double)).to_string().ends_with("--backend reference"));
-        assert_eq!(fast.name(&fast), "default");
     }
 }

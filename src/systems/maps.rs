@@ -123,8 +123,28 @@ impl Maps {
     /// Returns the maps to capture for a scene, and the reflectors without a map, with the reasons.
     #[must_use]
     pub fn wanted(scene: &Scene, kind: MapKind) -> (Vec<Wanted>, Vec<(u32, &'static str)>) {
+        Self::wanted_for(scene, kind, reflectors(scene))
+    }
+
+    /// Returns the cube maps to capture for bodies that bend light, and the bodies without a map, with the reasons.
+    #[must_use]
+    pub fn wanted_by_bodies(scene: &Scene) -> (Vec<Wanted>, Vec<(u32, &'static str)>) {
+        let disperses = |medium: u32| scene.media[medium as usize].disperses();
+        let (bodies, dispersive): (Vec<usize>, Vec<usize>) = (0..scene.objects.len())
+            .filter(|&o| scene.medium_of(o).is_some())
+            .partition(|&o| !scene.medium_of(o).is_some_and(disperses));
+        let (wanted, mut without) = Self::wanted_for(scene, MapKind::Cube, bodies.into_iter());
+        without.extend(dispersive.into_iter().map(|object| (object as u32, "disperses light")));
+        (wanted, without)
+    }
+
+    fn wanted_for(
+        scene: &Scene,
+        kind: MapKind,
+        objects: impl Iterator<Item = usize>,
+    ) -> (Vec<Wanted>, Vec<(u32, &'static str)>) {
         let (mut wanted, mut without) = (Vec::new(), Vec::new());
-        for object in reflectors(scene) {
+        for object in objects {
             let bounds = match &scene.geometry[object].shape {
                 Shape::Plane(_) => Aabb::EMPTY,
                 Shape::Sphere(sphere) => sphere.bounds(),
@@ -134,7 +154,7 @@ impl Maps {
             if bounds.is_empty() {
                 without.push((number, "has no centre"));
             } else if wanted.len() == MOST_MAPS {
-                without.push((number, "is one of too many reflectors"));
+                without.push((number, "is one of too many objects"));
             } else {
                 let size = size(scene, kind, &bounds);
                 wanted.push(Wanted { object: number, centre: bounds.centre(), size });

@@ -23,7 +23,7 @@ pub struct Judge<'a> {
 /// Wrong answers of one contender. Leaks alone are expected of Embree and only noted: a single leaked ray is within the
 /// errors of `f32`, and wrong only because the surface is closed all around. The native path has no leaks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct Disagreement {
     /// Contender that gave the answers.
     pub label: Label,
     /// Kind of the rays.
@@ -40,7 +40,7 @@ pub struct Finding {
     pub ray: usize,
 }
 
-impl Finding {
+impl Disagreement {
     /// Returns true if the fault makes timings meaningless.
     #[must_use]
     pub fn refuses(&self) -> bool {
@@ -48,7 +48,7 @@ impl Finding {
     }
 }
 
-impl std::fmt::Display for Finding {
+impl std::fmt::Display for Disagreement {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let Self { label, rays, wrong, judged, differ, fault, ray } = self;
         write!(
@@ -75,7 +75,7 @@ impl<'a> Judge<'a> {
 
     /// Compares the answers of two contenders. If they differ, the arbiter judges both. Returns the wrong ones.
     #[must_use]
-    pub fn compare(&self, set: &RaySet, a: (Label, &Answers), b: (Label, &Answers)) -> Vec<Finding> {
+    pub fn compare(&self, set: &RaySet, a: (Label, &Answers), b: (Label, &Answers)) -> Vec<Disagreement> {
         let all = differences(set, a.1, b.1);
         let (others, same): (Vec<_>, Vec<_>) = all.into_iter().partition(|d| d.size.is_infinite());
         let step = others.len().div_ceil(JUDGED).max(1);
@@ -91,7 +91,7 @@ impl<'a> Judge<'a> {
                     _ => None,
                 })
                 .collect();
-            faults.iter().min_by_key(|(_, fault)| *fault == Fault::Leak).map(|&(ray, fault)| Finding {
+            faults.iter().min_by_key(|(_, fault)| *fault == Fault::Leak).map(|&(ray, fault)| Disagreement {
                 label,
                 rays: set.kind.name(),
                 wrong: faults.len(),
@@ -138,8 +138,9 @@ fn apart(a: &Hit, b: &Hit) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contender::contenders;
+    use super::super::contender::Mode;
     use super::super::rays::{Picture, RayKind, View, all, bounds};
+    use super::super::streams::contenders;
     use super::super::team::Team;
     use super::*;
     use crate::accel::{Accel, Backend, BuildQuality};
@@ -163,10 +164,10 @@ mod tests {
         vec![Geometry { shape: Shape::Mesh(mesh), mask: GeometryMask::OPAQUE }]
     }
 
-    const WRONG: Label = Label { backend: Backend::Native, mode: "wrong" };
+    const WRONG: Label = Label { backend: Backend::Native, mode: Mode::Only("wrong") };
 
     /// Compares the native path's answers with the same answers after `spoil` has changed them.
-    fn spoiled(kind: RayKind, spoil: impl Fn(&mut Answers)) -> Vec<Finding> {
+    fn spoiled(kind: RayKind, spoil: impl Fn(&mut Answers)) -> Vec<Disagreement> {
         let geometry = hills(20);
         let accel = Accel::build(Backend::Native, &geometry, BuildQuality::Default).unwrap();
         let sets = all(&accel, &geometry, &View::of(&bounds(&geometry)), &Picture { edge: 64, one_in: 1 });
@@ -225,8 +226,8 @@ mod tests {
     #[test]
     fn only_embree_may_leak() {
         let finding = |backend, fault| {
-            let label = Label { backend, mode: "auto" };
-            Finding { label, rays: "primary", wrong: 1, judged: 1, differ: 1, fault, ray: 0 }.refuses()
+            let label = Label { backend, mode: Mode::Auto };
+            Disagreement { label, rays: "primary", wrong: 1, judged: 1, differ: 1, fault, ray: 0 }.refuses()
         };
         assert!(finding(Backend::Native, Fault::Leak) && finding(Backend::EmbreeFast, Fault::MissedHit));
         assert!(!finding(Backend::EmbreeFast, Fault::Leak));

@@ -1,11 +1,8 @@
 //! Contenders of a trial: named accelerators to be timed.
 
-use std::sync::{Mutex, PoisonError};
-
-use super::prepacked::Prepacked;
 use super::rays::RaySet;
 use super::team::Team;
-use crate::accel::{Accel, Backend, Intersector};
+use crate::accel::Backend;
 use crate::geometry::Hit8;
 use crate::simd::Mask8;
 
@@ -17,16 +14,39 @@ pub const PIECE: usize = 1024;
 pub struct Label {
     /// The back end.
     pub backend: Backend,
-    /// `auto`, or the single kernel that it uses.
-    pub mode: &'static str,
+    /// Choice of kernels.
+    pub mode: Mode,
 }
 
-/// The mode of a contender that chooses its kernels itself, as in renders.
-pub const AUTO: &str = "auto";
+/// Choice of the kernels, or of the calls of a library, that a contender traces with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// Chosen by the back end, as in renders.
+    Auto,
+    /// A single kernel or kind of call, by name.
+    Only(&'static str),
+}
+
+impl Mode {
+    /// Returns the name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Only(name) => name,
+        }
+    }
+}
+
+impl serde::Serialize for Mode {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
 
 impl std::fmt::Display for Label {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(f, "{} {}", self.backend.mode_name(), self.mode)
+        write!(f, "{} {}", self.backend.mode_name(), self.mode.name())
     }
 }
 
@@ -53,88 +73,4 @@ pub trait Contender {
 
     /// The answers of the last run.
     fn answers(&self, set: &RaySet) -> Answers;
-}
-
-/// An accelerator that traces ray streams, as in a render.
-struct Streams {
-    label: Label,
-    accel: Accel,
-    hits: Vec<Hit8>,
-    blocked: Vec<Mask8>,
-    /// Scratch memory of the threads of earlier runs. A render allocates it only once, too.
-    spare: Mutex<Vec<Scratch>>,
-}
-
-type Scratch = <Accel as Intersector>::Scratch;
-
-/// Scratch memory on loan. Returns it when dropped.
-struct Loan<'a> {
-    scratch: Scratch,
-    spare: &'a Mutex<Vec<Scratch>>,
-}
-
-impl<'a> Loan<'a> {
-    fn new(spare: &'a Mutex<Vec<Scratch>>) -> Self {
-        let scratch = spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        Self { scratch: scratch.unwrap_or_default(), spare }
-    }
-}
-
-impl Drop for Loan<'_> {
-    fn drop(&mut self) {
-        let scratch = std::mem::take(&mut self.scratch);
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
-    }
-}
-
-impl Contender for Streams {
-    fn label(&self) -> Label {
-        self.label
-    }
-
-    fn prepare(&mut self, set: &RaySet) {
-        self.hits.resize(if set.kind.any_hit() { 0 } else { set.rays.len() }, Hit8::default());
-        self.blocked.resize(if set.kind.any_hit() { set.rays.len() } else { 0 }, Mask8::NONE);
-    }
-
-    fn trace(&mut self, set: &RaySet, team: &Team) {
-        let (accel, coherence, spare) = (&self.accel, set.kind.coherence(), &self.spare);
-        let pieces = set.rays.chunks(PIECE);
-        if set.kind.any_hit() {
-            let pieces = pieces.zip(self.blocked.chunks_mut(PIECE));
-            team.share(
-                pieces,
-                || Loan::new(spare),
-                |loan, (rays, blocked)| accel.occluded(rays, blocked, coherence, &mut loan.scratch),
-            );
-        } else {
-            let pieces = pieces.zip(self.hits.chunks_mut(PIECE));
-            team.share(
-                pieces,
-                || Loan::new(spare),
-                |loan, (rays, hits)| accel.closest(rays, hits, coherence, &mut loan.scratch),
-            );
-        }
-    }
-
-    fn answers(&self, set: &RaySet) -> Answers {
-        if set.kind.any_hit() { Answers::Blocked(self.blocked.clone()) } else { Answers::Closest(self.hits.clone()) }
-    }
-}
-
-/// Returns all contenders over one accelerator. The first traces as in renders. The others of native are restricted to
-/// one kernel each. Those of Embree make calls of one width and flag, on rays that were packed beforehand.
-#[must_use]
-pub fn contenders(accel: &Accel) -> Vec<Box<dyn Contender + '_>> {
-    let backend = accel.backend();
-    let streams = |mode, accel: Accel| -> Box<dyn Contender + '_> {
-        let label = Label { backend, mode };
-        Box::new(Streams { label, accel, hits: Vec::new(), blocked: Vec::new(), spare: Mutex::default() })
-    };
-    let mut all = vec![streams(AUTO, accel.clone())];
-    match accel.embree() {
-        None => all.extend(accel.by_kernel().map(|(mode, accel)| streams(mode, accel))),
-        Some(embree) => all.extend(Prepacked::all(backend, embree)),
-    }
-    all
 }

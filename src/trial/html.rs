@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::contender::AUTO;
+use super::contender::Mode;
 use super::report::{Report, Row};
 use crate::accel::Backend;
 
@@ -58,7 +58,7 @@ fn shown<'a>(report: &'a Report, mesh: &'a str, kind: &'a str, threads: usize) -
     let best = |(k, backend): (usize, &Backend)| {
         let rows = report.rows_of(mesh, kind, threads).filter(|r| r.backend == *backend);
         let row = rows
-            .filter(|r| *backend != Backend::Native || r.mode == AUTO)
+            .filter(|r| *backend != Backend::Native || r.mode == Mode::Auto)
             .max_by(|a, b| a.mrays_per_s.total_cmp(&b.mrays_per_s))?;
         Some((k, row))
     };
@@ -81,7 +81,7 @@ fn chart(report: &Report, mesh: &str, threads: usize) -> String {
     for (kind, rows) in &groups {
         for (i, (colour, row)) in rows.iter().enumerate() {
             let (middle, length) = (y + LINE * 0.5, row.mrays_per_s * scale);
-            let name = format!("{} {}", row.backend.mode_name(), row.mode);
+            let name = format!("{} {}", row.backend.mode_name(), row.mode.name());
             if i == 0 {
                 let _ = writeln!(text, "<text x=\"0\" y=\"{:.1}\" font-weight=\"bold\">{kind}</text>", middle + 4.0);
             }

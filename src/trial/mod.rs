@@ -12,6 +12,7 @@ pub mod rays;
 pub mod report;
 pub mod run;
 pub mod shown;
+pub mod streams;
 pub mod team;
 pub mod text;
 pub mod timing;
@@ -19,5 +20,5 @@ pub mod verify;
 
 pub use rays::{Picture, RayKind, RaySet, View};
 pub use report::Report;
-pub use run::{BenchPlan, Outcome, Subject};
+pub use run::{BenchPlan, BenchSubject, Outcome};
 pub use timing::Watch;

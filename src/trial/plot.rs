@@ -1,7 +1,7 @@
 //! Plot of the cost of size: rays per second, and nanoseconds of building per triangle, against the number of
 //! triangles.
 
-use super::contender::AUTO;
+use super::contender::Mode;
 use super::report::Report;
 use crate::accel::Backend;
 
@@ -39,7 +39,7 @@ fn rates(report: &Report) -> Vec<Line> {
         for backend in [Backend::Native, Backend::Embree] {
             let best = |mesh: &&str| {
                 let of = report.rows_of(mesh, kind, 1).filter(|r| r.backend == backend);
-                let rate = of.filter(|r| backend != Backend::Native || r.mode == AUTO).map(|r| r.mrays_per_s);
+                let rate = of.filter(|r| backend != Backend::Native || r.mode == Mode::Auto).map(|r| r.mrays_per_s);
                 rate.max_by(f64::total_cmp).map(|rate| (report.triangles(mesh) as f64, rate))
             };
             let points: Vec<_> = report.meshes().iter().filter_map(best).collect();

@@ -1,6 +1,6 @@
 //! Embree with calls of each width and flag, on rays converted to its layout before they are timed.
 
-use super::contender::{Answers, Contender, Label, PIECE};
+use super::contender::{Answers, Contender, Label, Mode, PIECE};
 use super::rays::RaySet;
 use super::team::Team;
 use crate::accel::embree::{Embree, Packed, Width};
@@ -30,7 +30,13 @@ impl<'a> Prepacked<'a> {
     /// Returns one contender for each width and flag.
     pub fn all(backend: Backend, embree: &'a Embree) -> impl Iterator<Item = Box<dyn Contender + 'a>> {
         CALLS.into_iter().map(move |(mode, width, coherence)| -> Box<dyn Contender + 'a> {
-            Box::new(Self { label: Label { backend, mode }, embree, width, coherence, pieces: Vec::new() })
+            Box::new(Self {
+                label: Label { backend, mode: Mode::Only(mode) },
+                embree,
+                width,
+                coherence,
+                pieces: Vec::new(),
+            })
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::contender::Mode;
 use crate::accel::Backend;
 use crate::measure::Machine;
 
@@ -31,7 +32,7 @@ pub struct Row {
     #[serde(serialize_with = "mode_name")]
     pub backend: Backend,
     /// Kernel, or `auto`.
-    pub mode: &'static str,
+    pub mode: Mode,
     /// Number of threads that traced.
     pub threads: usize,
     /// Millions of rays per second: median over the rounds.
@@ -71,7 +72,7 @@ pub struct Ratio {
     #[serde(serialize_with = "mode_name")]
     pub against: Backend,
     /// The mode of Embree with the highest median.
-    pub embree_mode: &'static str,
+    pub embree_mode: Mode,
     /// Native rays per second relative to Embree's: median of the rounds' ratios. Above 1 native is faster.
     pub ratio: f64,
     /// Its 10th and 90th percentile.
@@ -165,20 +166,20 @@ pub(super) fn example() -> Report {
         rays,
         threads: 1,
         against,
-        embree_mode: "16c",
+        embree_mode: Mode::Only("16c"),
         ratio,
         spread: [ratio - 0.05, ratio + 0.05],
     };
     Report {
         machine: Machine { cpu: "A CPU".into(), processors: 2, simd: "AVX2 + FMA", vitrum: "0", embree: Some(embree) },
         rows: vec![
-            row("primary", Backend::Native, "auto", 20.0),
-            row("primary", Backend::Native, "single", 8.0),
-            row("primary", Backend::Embree, "auto", 15.0),
-            row("primary", Backend::Embree, "16c", 16.0),
-            row("primary", Backend::EmbreeFast, "16c", 25.0),
-            row("diffuse", Backend::Native, "auto", 4.0),
-            row("diffuse", Backend::Embree, "16c", 5.0),
+            row("primary", Backend::Native, Mode::Auto, 20.0),
+            row("primary", Backend::Native, Mode::Only("single"), 8.0),
+            row("primary", Backend::Embree, Mode::Auto, 15.0),
+            row("primary", Backend::Embree, Mode::Only("16c"), 16.0),
+            row("primary", Backend::EmbreeFast, Mode::Only("16c"), 25.0),
+            row("diffuse", Backend::Native, Mode::Auto, 4.0),
+            row("diffuse", Backend::Embree, Mode::Only("16c"), 5.0),
         ],
         builds: vec![build(Backend::Native, "default", 50.0), build(Backend::Embree, "medium", 40.0)],
         ratios: vec![

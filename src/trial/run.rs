@@ -1,9 +1,10 @@
 //! A whole trial: builds, checks that all contenders find the same, and times them.
 
-use super::agree::{Finding, Judge};
-use super::contender::{self, Answers, Contender};
+use super::agree::{Disagreement, Judge};
+use super::contender::{Answers, Contender};
 use super::rays::{self, Picture, RayKind, RaySet, View};
 use super::report::{Build, Ratio, Report, Row};
+use super::streams::contenders;
 use super::team::Team;
 use super::timing::{self, Watch};
 use crate::Result;
@@ -14,7 +15,7 @@ use crate::measure::Percentiles;
 
 /// Shapes of a trial.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct BenchSubject {
     /// Name in reports.
     pub name: String,
     /// Shapes. Infinite planes are left out, since no hierarchy holds them.
@@ -23,7 +24,7 @@ pub struct Subject {
     pub view: Option<View>,
 }
 
-impl Subject {
+impl BenchSubject {
     /// Creates a subject without the infinite planes of `geometry`.
     #[must_use]
     pub fn new(name: &str, mut geometry: Vec<Geometry>, view: Option<View>) -> Self {
@@ -71,23 +72,23 @@ impl BenchPlan {
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// Measurements, and the leaks that were noted.
-    Measured(Box<Report>, Vec<Finding>),
+    Measured(Box<Report>, Vec<Disagreement>),
     /// Contenders that do not find the same, so that timings would be meaningless.
-    Refused(Vec<Finding>),
+    Refused(Vec<Disagreement>),
 }
 
 /// Measures all `subjects`, with Embree only if `machine` has it.
 ///
 /// # Errors
 /// `Interrupted`; a limit, if threads or memory run out.
-pub fn run(subjects: &[Subject], plan: &BenchPlan, machine: Machine, watch: &Watch) -> Result<Outcome> {
+pub fn run(subjects: &[BenchSubject], plan: &BenchPlan, machine: Machine, watch: &Watch) -> Result<Outcome> {
     let embree = machine.embree.is_some();
     let mut report = Report { machine, rows: Vec::new(), builds: Vec::new(), ratios: Vec::new() };
     let mut noted = Vec::new();
     for subject in subjects {
         let built = build(subject, plan, embree, watch, &mut report)?;
         let findings = measure(subject, &built, plan, watch, &mut report)?;
-        if findings.iter().any(Finding::refuses) {
+        if findings.iter().any(Disagreement::refuses) {
             return Ok(Outcome::Refused(findings));
         }
         noted.extend(findings);
@@ -123,12 +124,12 @@ impl Built {
     /// Returns all contenders; the first is native as in renders.
     #[must_use]
     pub fn contenders(&self) -> Vec<Box<dyn Contender + '_>> {
-        self.0.iter().flat_map(contender::contenders).collect()
+        self.0.iter().flat_map(contenders).collect()
     }
 }
 
 /// Builds every hierarchy as often as planned, in turn. Returns the last ones.
-fn build(subject: &Subject, plan: &BenchPlan, embree: bool, watch: &Watch, report: &mut Report) -> Result<Built> {
+fn build(subject: &BenchSubject, plan: &BenchPlan, embree: bool, watch: &Watch, report: &mut Report) -> Result<Built> {
     let mut last: Option<Built> = None;
     for &threads in &plan.threads {
         let team = Team::new(threads)?;
@@ -165,12 +166,12 @@ fn build(subject: &Subject, plan: &BenchPlan, embree: bool, watch: &Watch, repor
 
 /// Times one subject, if all contenders find the same.
 fn measure(
-    subject: &Subject,
+    subject: &BenchSubject,
     built: &Built,
     plan: &BenchPlan,
     watch: &Watch,
     report: &mut Report,
-) -> Result<Vec<Finding>> {
+) -> Result<Vec<Disagreement>> {
     let view = subject.view.unwrap_or_else(|| View::of(&rays::bounds(&subject.geometry)));
     let sets = rays::all(built.native(), &subject.geometry, &view, &plan.picture);
     let judge = Judge::new(&subject.geometry);
@@ -181,7 +182,7 @@ fn measure(
         for &threads in &plan.threads {
             let team = Team::new(threads)?;
             let findings = check(&mut contenders, set, &team, &judge, watch)?;
-            if findings.iter().any(Finding::refuses) {
+            if findings.iter().any(Disagreement::refuses) {
                 return Ok(findings);
             }
             // Leaks do not depend on the number of threads.
@@ -233,9 +234,9 @@ pub fn check(
     team: &Team,
     judge: &Judge,
     watch: &Watch,
-) -> Result<Vec<Finding>> {
+) -> Result<Vec<Disagreement>> {
     let mut first: Option<(_, Answers)> = None;
-    let mut findings: Vec<Finding> = Vec::new();
+    let mut findings: Vec<Disagreement> = Vec::new();
     for contender in contenders {
         contender.prepare(set);
         contender.trace(set, team);
@@ -244,7 +245,7 @@ pub fn check(
             None => first = Some((label, answers)),
             Some((other, theirs)) => {
                 for new in judge.compare(set, (*other, theirs), (label, &answers)) {
-                    let told = |f: &Finding| f.label.backend == new.label.backend && f.ray == new.ray;
+                    let told = |f: &Disagreement| f.label.backend == new.label.backend && f.ray == new.ray;
                     if !findings.iter().any(told) {
                         findings.push(new);
                     }

@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 pub use crate::geometry::Ray;
+use crate::measure::shell::quoted;
 
 /// Returns origin, direction and interval in words.
 #[must_use]
@@ -53,16 +54,6 @@ fn list(v: Vec3, between: &str) -> String {
 fn of(x: f32) -> String {
     let (plain, scientific) = (format!("{x}"), format!("{x:e}"));
     if scientific.len() < plain.len() { scientific } else { plain }
-}
-
-/// Quotes the text as one word of a POSIX shell.
-fn quoted(text: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The report as tables of at most 100 columns.
 
+use super::contender::Mode;
 use super::report::{Build, Report, distinct};
 use crate::accel::Backend;
 use crate::measure::Machine;
@@ -53,10 +54,14 @@ fn builds(report: &Report, mesh: &str) -> String {
 /// Table of rates: kinds of rays as rows, modes of one back end as columns.
 fn rates(report: &Report, mesh: &str, threads: usize, backend: Backend) -> String {
     let modes = distinct(report.rows.iter().filter(|r| r.backend == backend).map(|r| r.mode));
-    let mut rows =
-        vec![std::iter::once(backend.mode_name()).chain(modes.iter().copied()).map(String::from).collect::<Vec<_>>()];
+    let mut rows = vec![
+        std::iter::once(backend.mode_name())
+            .chain(modes.iter().map(|mode| mode.name()))
+            .map(String::from)
+            .collect::<Vec<_>>(),
+    ];
     for kind in report.kinds() {
-        let cell = |mode: &&str| {
+        let cell = |mode: &Mode| {
             let row = report.rows_of(mesh, kind, threads).find(|r| r.backend == backend && r.mode == *mode);
             row.map_or_else(|| String::from("-"), |r| format!("{:.2}", r.mrays_per_s))
         };
@@ -75,7 +80,7 @@ fn ratios(report: &Report, mesh: &str, threads: usize) -> String {
             match report.ratios_of(mesh, kind, threads).find(|r| r.against == against) {
                 Some(r) => row.extend([
                     format!("{:.2}", r.ratio),
-                    r.embree_mode.to_owned(),
+                    r.embree_mode.name().to_owned(),
                     format!("{:.2}..{:.2}", r.spread[0], r.spread[1]),
                 ]),
                 None => row.extend(["-", "-", "-"].map(String::from)),

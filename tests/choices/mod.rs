@@ -5,6 +5,7 @@ use crate::support;
 #[cfg(feature = "cli")]
 mod command;
 mod cutoff;
+mod formula;
 mod polarisation;
 mod random;
 mod reflection;

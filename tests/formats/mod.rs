@@ -1,5 +1,7 @@
 //! Models in formats other than OBJ, from files that the tests write themselves.
 
+mod attenuation;
+mod gltf;
 mod ply;
 mod stl;
 

@@ -48,7 +48,9 @@ fn the_three_encodings_give_the_same_mesh_with_linear_colours() {
         for (colour, red) in mesh.colours.iter().zip(red) {
             assert!((*colour - Vec3::new(red, 0.0, 1.0)).abs().max_element() < 1e-5, "{encoding}: {colour}");
         }
-        assert_eq!(warnings(&loaded).len(), 0, "{:?}", warnings(&loaded));
+        let material = &loaded.scene.materials[loaded.scene.objects[0].material as usize];
+        assert_eq!(material.diffuse, Colour::Corners { texture: None, scale: Rgb::ONE });
+        assert!(warnings(&loaded).is_empty(), "{:?}", warnings(&loaded));
     }
 }
 

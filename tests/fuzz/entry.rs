@@ -20,6 +20,8 @@ pub enum Kind {
     Scene,
     /// A model in OBJ, with its materials beside it.
     Model,
+    /// A model in glTF, as text or binary.
+    Gltf,
     /// A model in PLY.
     Ply,
     /// A model in STL.
@@ -36,6 +38,7 @@ impl Kind {
         match self {
             Self::Scene => "sampler.toml",
             Self::Model => "house.obj",
+            Self::Gltf => "model.gltf",
             Self::Ply => "model.ply",
             Self::Stl => "model.stl",
             Self::Material => "house.mtl",
@@ -93,7 +96,9 @@ pub fn load(kind: Kind, bytes: &[u8]) -> bool {
         let _ = fs::remove_file(&path);
         fs::write(&path, bytes).expect("files can be written");
         let loaded = match kind {
-            Kind::Scene | Kind::Model | Kind::Ply | Kind::Stl => load::scene(&path, &options()).map(|l| l.scene),
+            Kind::Scene | Kind::Model | Kind::Gltf | Kind::Ply | Kind::Stl => {
+                load::scene(&path, &options()).map(|l| l.scene)
+            }
             Kind::Material => load::scene(&folder.join(Kind::Model.file()), &options()).map(|l| l.scene),
             Kind::Picture => load::picture(&path, &options()).map(|t| Scene { textures: vec![t], ..Scene::default() }),
         };
@@ -157,6 +162,7 @@ pub fn seeds(kind: Kind) -> BTreeMap<String, Vec<u8>> {
     let ends = match kind {
         Kind::Scene => ".toml",
         Kind::Model => ".obj",
+        Kind::Gltf => ".gltf",
         Kind::Ply => ".ply",
         Kind::Stl => ".stl",
         Kind::Material => ".mtl",

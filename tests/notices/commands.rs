@@ -12,6 +12,7 @@ const DARK: &str = r#"
 [render]
 width = 16
 height = 12
+lights_from = "lamps"
 [environment]
 type = "constant"
 color = 1
@@ -53,8 +54,8 @@ fn render_explain_verify_and_parity_report_the_same_facts_in_the_same_words() {
     let folder = Folder::with(&[("a.toml", DARK)]);
     let said: Vec<_> = COMMANDS.iter().map(|line| warnings(&run(&folder, line))).collect();
     assert_eq!(said[0].len(), 2, "{said:?}");
-    assert!(said[0].iter().any(|line| line.starts_with("warning: a.toml:11: the [[material]] `spare`")), "{said:?}");
-    assert!(said[0].iter().any(|line| line.starts_with("warning: a.toml:14: no light reaches `ball`")), "{said:?}");
+    assert!(said[0].iter().any(|line| line.starts_with("warning: a.toml:12: the [[material]] `spare`")), "{said:?}");
+    assert!(said[0].iter().any(|line| line.starts_with("warning: a.toml:15: no light reaches `ball`")), "{said:?}");
     assert!(said.iter().all(|others| *others == said[0]), "{said:?}");
 }
 
@@ -66,8 +67,8 @@ fn json_has_every_warning_as_text_and_every_notice_in_parts() {
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
         assert_eq!(json["warnings"].as_array().map(Vec::len), Some(2), "{line}");
         let [spare, dark] = [&json["notices"][0], &json["notices"][1]];
-        assert_eq!((&spare["id"], &spare["line"]), (&"unused-material".into(), &11.into()), "{line}");
-        assert_eq!((&dark["id"], &dark["line"], &dark["file"]), (&"unlit".into(), &14.into(), &"a.toml".into()));
+        assert_eq!((&spare["id"], &spare["line"]), (&"unused-material".into(), &12.into()), "{line}");
+        assert_eq!((&dark["id"], &dark["line"], &dark["file"]), (&"unlit".into(), &15.into(), &"a.toml".into()));
         let text = json["warnings"][1].as_str().expect("text");
         for part in ["wrong", "because", "cure"] {
             assert!(text.contains(dark[part].as_str().expect("text")), "{line}: {part}");

@@ -44,23 +44,46 @@ fn shade(kind: &str) -> String {
 }
 
 #[test]
-fn environments_and_emissive_shapes_are_named_as_no_light_for_matt_surfaces() {
-    for more in [ENVIRONMENT, EMITTER, ""] {
-        let notice = only_notice(&scene(more));
+fn what_shines_is_enough_and_its_being_kept_from_lighting_is_named() {
+    for more in [ENVIRONMENT, EMITTER] {
+        assert_eq!(kinds(&scene(more)), [""; 0]);
+        let lamps = scene(more).replace("height = 12", "height = 12\nlights_from = \"lamps\"");
+        let notice = only_notice(&lamps);
         assert_eq!(notice.id, "unlit");
         assert_eq!(notice.finding.wrong, "no light reaches `ball` and 1 other matt object in view");
-        assert!(notice.finding.because.contains("environments and emissive shapes do not light matt surfaces"));
-        assert_eq!(notice.finding.place.line, 12, "the line of the ball");
+        assert!(notice.finding.because.contains("`lights_from` does not admit"), "{notice}");
+        assert_eq!(notice.finding.place.line, 13, "the line of the ball");
+        // The cure is one.
+        let cured = lamps.replace("\"lamps\"", "\"all\"");
+        assert!(notice.finding.cure.contains("lights_from = \"all\"") && kinds(&cured).is_empty(), "{notice}");
     }
+    let notice = only_notice(&scene(""));
+    assert!(notice.finding.because.contains("its environment is black"), "{notice}");
 }
 
 #[test]
-fn a_picture_as_environment_lights_no_matt_surface() {
+fn a_picture_as_environment_lights_matt_surfaces() {
     let folder = Folder::with(&[("a.toml", &scene("[environment]\ntype = \"image\"\nfile = \"sky.pfm\"\n"))]);
     let mut sky = b"PF\n2 1\n-1.0\n".to_vec();
     sky.extend([1.0_f32; 6].iter().flat_map(|x| x.to_le_bytes()));
     std::fs::write(folder.path("sky.pfm"), sky).unwrap();
-    assert_eq!(ids(&notices_by_all(&folder.path("a.toml"))), ["unlit"]);
+    assert_eq!(ids(&notices_by_all(&folder.path("a.toml"))), [""; 0]);
+}
+
+#[test]
+fn an_emissive_shape_beside_a_lamp_lights_nothing_unless_the_scene_says_so() {
+    let text = scene(&(LAMP.to_owned() + EMITTER));
+    let notice = only_notice(&text);
+    assert_eq!((notice.id, notice.finding.wrong.as_str()), ("lights-nothing", "`bulb` shines and lights nothing"));
+    for level in ["lamps", "emissive", "all"] {
+        let said = text.replace("height = 12", &format!("height = 12\nlights_from = \"{level}\""));
+        assert_eq!(kinds(&said), [""; 0], "{level}");
+    }
+    let plane = EMITTER
+        .replace("shape = \"sphere\"\ncenter = [1.5, 2, 0]\nradius = 0.3", "shape = \"plane\"\npoint = [0, 9, 0]");
+    let notice = only_notice(&scene(&(ENVIRONMENT.to_owned() + &plane)));
+    assert_eq!(notice.id, "lights-nothing");
+    assert!(notice.finding.because.contains("no bounds"), "{notice}");
 }
 
 #[test]
@@ -124,7 +147,7 @@ fn rooms_and_domes_around_the_camera_are_no_fault() {
     assert_eq!(kinds(&scene(&(LAMP.to_owned() + room))), [""; 0], "the lamp is in the room");
     assert_eq!(only_notice(&scene(room)).id, "unlit", "no lamp at all");
     let dome = EMITTER.replace("radius = 0.3", "radius = 30");
-    assert_eq!(kinds(&scene(&(dome + LAMP))), [""; 0]);
+    assert_eq!(kinds(&scene(&dome)), [""; 0]);
 }
 
 #[test]

@@ -7,6 +7,7 @@ pub mod backends;
 pub mod contract;
 pub mod cracks;
 pub mod exact;
+pub mod gltf;
 pub mod kernels;
 pub mod program;
 pub mod random;

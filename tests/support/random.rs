@@ -106,6 +106,8 @@ fn material(rng: &mut Rng, scene: &Scene) -> Material {
         diffuse,
         highlight: chance(rng, 0.3).then_some(highlight),
         emission: if chance(rng, 0.2) { colour(rng) } else { Rgb::ZERO },
+        glow: None,
+        relief: None,
         interface: interface(rng, scene),
     }
 }

@@ -4,13 +4,14 @@ use glam::Vec3;
 use vitrum::geometry::{Geometry, GeometryMask, Plane, Shape, Sphere, TriMesh};
 use vitrum::render::{Observer, Options, Outcome, render};
 use vitrum::scene::{
-    Camera, Dispersion, Environment, FresnelRule, Interface, Material, Medium, Object, Origin, Projection, Rgb, Scene,
-    Settings,
+    Camera, Dispersion, Environment, FresnelRule, Interface, LightsFrom, Material, Medium, Object, Origin, Projection,
+    Rgb, Scene, Settings,
 };
 
 use super::backends;
 
-/// An empty scene in a constant environment, seen from +z: 32 by 32 pixels, deep enough for anything, no cut-off.
+/// An empty scene in a constant environment, which lights no surface, seen from +z: 32 by 32 pixels, deep enough for
+/// anything, no cut-off.
 pub fn empty(environment: f32) -> Scene {
     Scene {
         media: vec![Medium::air()],
@@ -22,7 +23,14 @@ pub fn empty(environment: f32) -> Scene {
             projection: Projection::Pinhole { vfov: 30.0 },
             medium: None,
         },
-        settings: Settings { width: 32, height: 32, max_depth: 64, cutoff: 0.0, ..Settings::default() },
+        settings: Settings {
+            width: 32,
+            height: 32,
+            max_depth: 64,
+            cutoff: 0.0,
+            lights_from: LightsFrom::Lamps,
+            ..Settings::default()
+        },
         ..Scene::default()
     }
 }

@@ -3,8 +3,12 @@
 
 use crate::support;
 
+mod bodies;
+mod curved;
+mod lighting;
 mod maps;
 mod planar;
+mod raised;
 
 use vitrum::image::Film;
 use vitrum::render::{Observer, Options, Outcome, reference};

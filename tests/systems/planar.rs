@@ -209,7 +209,7 @@ fn each_level_of_a_hall_of_mirrors_is_counted_and_the_last_says_what_is_missing(
         assert_eq!(weights, [0.5, 0.25, 0.125], "{name}");
         for level in planar.levels {
             assert_eq!(level.rays, 32 * 32 * u64::from(scene.settings.samples.pow(2)), "{name}");
-            assert!((level.weight / level.rays as f64 - f64::from(level.heaviest)).abs() < 1e-9, "{name}");
+            assert!((level.weight() / level.rays as f64 - f64::from(level.heaviest)).abs() < 1e-9, "{name}");
         }
     }
 }

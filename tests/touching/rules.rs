@@ -158,4 +158,16 @@ fn a_decal_of_another_material_and_walls_that_nearly_coincide_are_warned_of() {
     assert_eq!(of(liquids, cup(0.5, 64)), <[&str; 0]>::default());
     assert_eq!(of(liquids, cup(0.54, 48)), <[&str; 0]>::default());
     assert_eq!(of(liquids, cup(0.48, 48)), <[&str; 0]>::default());
+    // Plates that are thin against their width run side by side; they do not cross, whether they touch or not.
+    for gap in [0.0, 0.01, 0.5] {
+        for turn in ["[0, 0, 0]", "[0, 0, 20]", "[10, 20, 30]"] {
+            let plate = |y: f64, material: &str| {
+                format!(
+                    r#"{{ shape = "box", size = [20, 1, 20], center = [0, {y}, 0], transform = {{ rotate = {turn} }}, material = "{material}" }}"#
+                )
+            };
+            let stack = format!("{}, {}", plate(0.5, "g"), plate(-0.5 - gap, "w"));
+            assert_eq!(of(liquids, stack), <[&str; 0]>::default(), "{gap} {turn}");
+        }
+    }
 }

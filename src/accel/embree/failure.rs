@@ -6,7 +6,7 @@ use crate::error::{Error, Unavailable};
 use crate::system::memory;
 
 /// Cure in messages about a lack of memory for Embree.
-pub(super) const WITHOUT: &str = "take --backend native";
+pub(super) const WITHOUT: &str = "use the native back end";
 
 /// The code of `RTC_ERROR_OUT_OF_MEMORY`.
 const OUT_OF_MEMORY: c_int = 4;

@@ -15,7 +15,7 @@ pub const CURE: &str = "install it (Debian 13, Ubuntu 24.04 and later: apt-get i
 
 /// File for the dynamic loader.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct FoundLibrary {
     /// Path of a file, or a bare name that the system's loader resolves.
     pub file: PathBuf,
     /// Rule that found the file, in one word for reports.
@@ -29,14 +29,14 @@ pub struct Found {
 ///
 /// # Errors
 /// The folder that was given, if it does not contain the library.
-pub fn find(wished: Option<&Path>) -> Result<Found, PathBuf> {
+pub fn find(wished: Option<&Path>) -> Result<FoundLibrary, PathBuf> {
     let from_environment = || std::env::var_os("EMBREE_DIR").filter(|v| !v.is_empty()).map(PathBuf::from);
     if let Some(folder) = wished.map(Path::to_path_buf).or_else(from_environment) {
         let file = ["", "lib", "lib64", "lib/x86_64-linux-gnu"]
             .iter()
             .map(|inner| folder.join(inner).join(FILE_NAME))
             .find(|file| file.exists());
-        return file.map(|file| Found { file, because: "EMBREE_DIR" }).ok_or(folder);
+        return file.map(|file| FoundLibrary { file, because: "EMBREE_DIR" }).ok_or(folder);
     }
     let program = std::env::current_exe().unwrap_or_default();
     let projects = program.ancestors().skip(1).filter(|folder| folder.join("Cargo.toml").is_file());
@@ -44,8 +44,10 @@ pub fn find(wished: Option<&Path>) -> Result<Found, PathBuf> {
         .chain([Path::new(env!("CARGO_MANIFEST_DIR"))])
         .map(|project| project.join(OWN_FOLDER).join(FILE_NAME))
         .find(|file| file.exists());
-    Ok(own
-        .map_or(Found { file: PathBuf::from(FILE_NAME), because: "system" }, |file| Found { file, because: ".embree" }))
+    Ok(own.map_or(FoundLibrary { file: PathBuf::from(FILE_NAME), because: "system" }, |file| FoundLibrary {
+        file,
+        because: ".embree",
+    }))
 }
 
 #[cfg(test)]

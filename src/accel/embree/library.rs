@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use super::failure::{WITHOUT, error_name, reported};
-use super::find::{self, CURE, Found};
+use super::find::{self, CURE, FoundLibrary};
 use super::installed::Installed;
 use super::sys::{self, Api};
 use crate::error::{Result, Unavailable};
@@ -36,7 +36,7 @@ pub struct Library {
 
 impl Library {
     /// Loads one file and reads its properties.
-    pub(super) fn load(found: &Found) -> Result<Self> {
+    pub(super) fn load(found: &FoundLibrary) -> Result<Self> {
         let file = found.file.display();
         // The size is unknown if only the system's loader can resolve the name.
         let size = std::fs::metadata(&found.file).map_or(0, |m| m.len());

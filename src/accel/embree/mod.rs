@@ -48,3 +48,6 @@ pub fn installed() -> Result<Installed, Unavailable> {
         Err(other) => Err(Unavailable::Failed(other.to_string())),
     }
 }
+
+#[cfg(test)]
+mod tests;

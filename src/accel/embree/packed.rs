@@ -203,7 +203,7 @@ fn with16(live: u16, call: impl FnOnce(&Valid<16>)) {
 mod tests {
     use glam::Vec3;
 
-    use super::super::hierarchy::tests::library;
+    use super::super::tests::library;
     use super::super::{Embree, Mode, Options, Scratch, Width};
     use super::Packed;
     use crate::accel::{Coherence, Intersector};

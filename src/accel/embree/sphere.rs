@@ -96,8 +96,9 @@ impl UserGeometry for SphereGroup {
 
 #[cfg(test)]
 mod tests {
-    use super::super::hierarchy::{Embree, tests};
+    use super::super::hierarchy::Embree;
     use super::super::options::{Options, Width};
+    use super::super::tests;
     use super::*;
     use crate::accel::{Coherence, Intersector};
     use crate::geometry::{Geometry, GeometryMask, Hit8, Ray, Ray8, Shape};

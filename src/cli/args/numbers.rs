@@ -1,5 +1,7 @@
 //! Parsers of numbers with ranges.
 
+use std::time::Duration;
+
 fn parsed<T: std::str::FromStr>(text: &str) -> Result<T, String> {
     text.trim().parse().map_err(|_| String::from("not a number"))
 }
@@ -57,6 +59,25 @@ pub(in crate::cli) fn not_negative(text: &str) -> Result<f64, String> {
     if x >= 0.0 && x.is_finite() { Ok(x) } else { Err(String::from("not a finite number of at least 0")) }
 }
 
+/// Parses seconds, or a number with `s`, `m` or `h`.
+pub(in crate::cli) fn duration(text: &str) -> Result<Duration, String> {
+    let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
+        Some(at) => text.split_at(at),
+        None => (text, "s"),
+    };
+    let factor = match unit {
+        "ms" => 1e-3,
+        "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(String::from("not a time; write 90s, 5m or 1h")),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(n) if n > 0.0 && n * factor <= 1e6 => Ok(Duration::from_secs_f64(n * factor)),
+        _ => Err(String::from("not a time above 0; write 90s, 5m or 1h")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,5 +107,15 @@ mod tests {
         assert!(exposure("nan").is_err() && exposure("65").is_err());
         assert!(not_negative("inf").is_err() && not_negative("-1e-9").is_err());
         assert_eq!((cutoff("0"), exposure("-2"), not_negative("5e-4")), (Ok(0.0), Ok(-2.0), Ok(5e-4)));
+    }
+
+    #[test]
+    fn times_are_read_or_refused() {
+        assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
+        assert_eq!((duration("2"), duration("1h")), (Ok(Duration::from_secs(2)), Ok(Duration::from_secs(3600))));
+        for text in ["", "0s", "-1s", "5 parsecs", "nan", "1e99h"] {
+            assert!(duration(text).is_err(), "{text}");
+        }
     }
 }

@@ -5,7 +5,7 @@ use clap::Args;
 use super::numbers::above_minus_one;
 use crate::cli::choice::{about, about_with, levels};
 use crate::optics::{FresnelModel, RefractionModel};
-use crate::scene::ShadowRule;
+use crate::scene::{LightsFrom, ShadowRule};
 
 /// Options of `render` and `pixel`.
 #[derive(Clone, Copy, Debug, Args)]
@@ -22,4 +22,7 @@ pub(in crate::cli) struct OpticsArgs {
 
     #[arg(long, help = about_with::<ShadowRule>("as in the scene"), value_parser = levels::<ShadowRule>(), help_heading = "Light")]
     pub shadows: Option<ShadowRule>,
+
+    #[arg(long, help = about_with::<LightsFrom>("as in the scene"), value_parser = levels::<LightsFrom>(), help_heading = "Light")]
+    pub lights_from: Option<LightsFrom>,
 }

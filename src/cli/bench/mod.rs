@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::options::{Bench, refuse_input};
-use super::{Verdict, interrupt, output, progress, view};
+use self::options::Bench;
+use super::options::refuse_input;
+use super::verdict::Verdict;
+use super::{interrupt, output, progress, view};
 use crate::accel::embree;
 use crate::load::Loaded;
 use crate::load::shapes::{self, Wave};
@@ -16,7 +18,7 @@ use crate::measure::Machine;
 use crate::render::Observer;
 use crate::scene::Scene;
 use crate::trial::frames::FramePlan;
-use crate::trial::{self, Outcome, Subject, Watch};
+use crate::trial::{self, BenchSubject, Outcome, Watch};
 use crate::{Error, Result};
 
 /// Loads the scenes, compares the contenders, times them and reports.
@@ -34,7 +36,7 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
     if job.frames {
         return frames(job, machine, &observer);
     }
-    let subjects: Vec<Subject> = if job.sweep.is_empty() {
+    let subjects: Vec<BenchSubject> = if job.sweep.is_empty() {
         job.scenes.iter().map(|path| subject(path, job)).collect::<Result<_>>()?
     } else {
         job.sweep.iter().map(|&triangles| landscape(triangles)).collect()
@@ -75,13 +77,13 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
 }
 
 /// Reads the shapes of one file.
-fn subject(path: &Path, job: &Bench) -> Result<Subject> {
+fn subject(path: &Path, job: &Bench) -> Result<BenchSubject> {
     let Loaded { scene, .. } = job.reading.load(path, false)?;
     if let Some(page) = &job.html {
         refuse_input("--html", page.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     }
     let view = view::of(&scene);
-    let subject = Subject::new(&name_of(path), scene.geometry, Some(view));
+    let subject = BenchSubject::new(&name_of(path), scene.geometry, Some(view));
     if subject.geometry.is_empty() {
         return Err(Error::file(path, "has nothing that a hierarchy holds: no mesh and no sphere"));
     }
@@ -111,12 +113,12 @@ fn frames(job: &Bench, machine: Machine, observer: &Observer) -> Result<Verdict>
 }
 
 /// Creates a landscape of waves with about `triangles` triangles: two for each square of a square grid.
-fn landscape(triangles: u32) -> Subject {
+fn landscape(triangles: u32) -> BenchSubject {
     let edge = (f64::from(triangles) / 2.0).sqrt().round() as u32;
     let wave = |amplitude, wavelength, direction| Wave { amplitude, wavelength, direction, phase: 40.0 };
     let waves = [wave(0.08, 0.9, 20.0), wave(0.05, 0.47, 75.0), wave(0.02, 0.19, 130.0)];
     let mesh = shapes::heightfield([2.0, 2.0], &waves, 0.0, None, edge).expect("only a solid can be too thin");
-    Subject::of_mesh(&format!("landscape-{}", 2 * edge * edge), mesh)
+    BenchSubject::of_mesh(&format!("landscape-{}", 2 * edge * edge), mesh)
 }
 
 fn name_of(path: &Path) -> String {

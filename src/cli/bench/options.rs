@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::args::BenchArgs;
+use super::args::BenchArgs;
 use crate::cli::options::{Reading, refuse_input};
 use crate::image::Destination;
 use crate::trial::{BenchPlan, Picture, RayKind};

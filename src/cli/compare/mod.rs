@@ -7,8 +7,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::options::{Compare, Difference};
-use super::{Verdict, interrupt, output};
+use self::options::{Compare, Difference};
+use super::verdict::Verdict;
+use super::{interrupt, output};
 use crate::Result;
 use crate::image::{self, Comparison, Encoding, Film, ReadOptions};
 use crate::render::Observer;

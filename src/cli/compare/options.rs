@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::args::CompareArgs;
+use super::args::CompareArgs;
 use crate::cli::options::{format_of, refuse_input};
 use crate::image::{Destination, Format};
 use crate::{Error, Result};

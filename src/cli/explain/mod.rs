@@ -6,9 +6,10 @@ pub(super) mod options;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::options::Explain;
+use self::options::Explain;
+use super::verdict::Verdict;
 use super::warnings::Warnings;
-use super::{Verdict, backend, interrupt, output, progress};
+use super::{backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::effects::{self, Effect, EffectPlan};
@@ -17,6 +18,7 @@ use crate::measure::Percentiles;
 use crate::measure::table::grouped;
 use crate::render::{self, Observer, Options, Outcome};
 use crate::scene::Scene;
+use crate::study::systems::{Bearing, bearings};
 
 /// Largest number of touching pairs that the text lists.
 const MOST_PAIRS: usize = 12;
@@ -140,6 +142,8 @@ struct Explained<'a> {
     /// Objects that are shaded together.
     shared: Vec<Shared>,
     rays: Budget,
+    /// Systems that trace no reflected or refracted rays, and what the scene has for them. None is used unless asked for.
+    systems: Vec<Bearing>,
 }
 
 #[derive(serde::Serialize)]
@@ -231,6 +235,7 @@ impl<'a> Explained<'a> {
                 most_per_pixel: plan.rays.per_pixel,
                 mean_per_pixel: measured.map(|m| m.rays as f64 / pixels),
             },
+            systems: bearings(scene),
         }
     }
 
@@ -264,6 +269,10 @@ impl<'a> Explained<'a> {
         wrap("rays: ", &most, &mut lines);
         if let Some(mean) = rays.mean_per_pixel {
             wrap("rays: ", &format!("{mean:.2} a pixel in the mean, as counted"), &mut lines);
+        }
+        for Bearing { option, possible, because } in &self.systems {
+            let possible = if *possible { "possible" } else { "impossible" };
+            wrap("not used unless asked for: ", &format!("{option} ({possible}: {because})"), &mut lines);
         }
         if self.effects.iter().any(|r| r.worth.is_some()) {
             lines.push(String::new());

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::args::ExplainArgs;
+use super::args::ExplainArgs;
 use crate::cli::options::{Reading, SmallPicture, effects};
 use crate::{Error, Result, render};
 

@@ -3,7 +3,7 @@
 use clap::{Args, value_parser};
 
 use crate::cli::choice::levels;
-use crate::study::formulas::Kind;
+use crate::study::formulas::FormulaKind;
 
 /// The options of `price --formulas`.
 #[derive(Debug, Args)]
@@ -14,8 +14,8 @@ pub(in crate::cli) struct FormulasArgs {
     pub formulas: bool,
 
     /// Groups of formulas [default: all]
-    #[arg(long, value_parser = levels::<Kind>(), value_name = "KIND,...", value_delimiter = ',', requires = "formulas")]
-    pub of: Vec<Kind>,
+    #[arg(long, value_parser = levels::<FormulaKind>(), value_name = "KIND,...", value_delimiter = ',', requires = "formulas")]
+    pub of: Vec<FormulaKind>,
 
     /// Rays drawn of each range
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(8..=10_000_000), default_value_t = 20_000,

@@ -6,8 +6,9 @@ pub(super) mod options;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::options::Formulas;
-use super::{Verdict, interrupt, output};
+use self::options::Formulas;
+use super::verdict::Verdict;
+use super::{interrupt, output};
 use crate::Result;
 use crate::render::Observer;
 use crate::simd::level;

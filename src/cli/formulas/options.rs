@@ -1,27 +1,30 @@
 //! Validated options of `vitrum price --formulas`.
 
-use crate::cli::args::PriceArgs;
+use super::args::FormulasArgs;
+use crate::Result;
+use crate::accel::BuildQuality;
 use crate::cli::options::choices::no_hierarchy;
-use crate::study::formulas::{Kind, Plan};
-use crate::{Error, Result};
+use crate::study::formulas::{FormulaKind, FormulaPlan};
 
 /// Formulas to time and judge.
 #[derive(Debug)]
 pub(in crate::cli) struct Formulas {
-    pub plan: Plan,
+    pub plan: FormulaPlan,
     pub csv: bool,
     pub json: bool,
 }
 
-impl TryFrom<PriceArgs> for Formulas {
-    type Error = Error;
-
-    fn try_from(PriceArgs { formulas: args, bvh, json, .. }: PriceArgs) -> Result<Self> {
+impl Formulas {
+    /// Converts the arguments. `bvh` and `json` are those of `vitrum price`.
+    ///
+    /// # Errors
+    /// Usage if a build quality is given.
+    pub fn new(args: FormulasArgs, bvh: Option<BuildQuality>, json: bool) -> Result<Self> {
         if bvh.is_some() {
             return Err(no_hierarchy("formulas have"));
         }
-        let asked = |kind: &Kind| args.of.is_empty() || args.of.contains(kind);
-        let kinds = Kind::ALL.into_iter().filter(asked).collect();
-        Ok(Self { plan: Plan { count: args.count as usize, time: !args.untimed, kinds }, csv: args.csv, json })
+        let asked = |kind: &FormulaKind| args.of.is_empty() || args.of.contains(kind);
+        let kinds = FormulaKind::ALL.into_iter().filter(asked).collect();
+        Ok(Self { plan: FormulaPlan { count: args.count as usize, time: !args.untimed, kinds }, csv: args.csv, json })
     }
 }

@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use super::args::InfoArgs;
+use self::args::InfoArgs;
 use super::options::Reading;
-use super::{Verdict, output};
+use super::output;
+use super::verdict::Verdict;
 use crate::Result;
 use crate::load::{LoadReport, Loaded};
 use crate::scene::{Colour, Interface, Scene};

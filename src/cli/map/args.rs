@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 use glam::DVec3;
 
-use crate::cli::args::ModelArgs;
+use crate::cli::args::{ModelArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::scene::MapKind;
@@ -55,6 +55,9 @@ pub(in crate::cli) struct MapArgs {
     /// Worker threads [default: one a processor]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
+
+    #[command(flatten)]
+    pub strict: StrictArg,
 
     /// No progress bar and no warnings
     #[arg(short, long)]

@@ -9,11 +9,13 @@ use std::sync::atomic::Ordering;
 
 use glam::Vec3;
 
-use super::options::{Exposure, Map, refuse_input};
-use super::{Verdict, backend, interrupt, metadata, output, progress};
+use self::options::Map;
+use super::options::{Exposure, refuse_input};
+use super::verdict::Verdict;
+use super::warnings::Warnings;
+use super::{backend, interrupt, metadata, output, progress};
 use crate::accel::BuildQuality;
 use crate::image::{self, Bits, Encoding, MOST_PIXELS};
-use crate::load::Loaded;
 use crate::render::Observer;
 use crate::scene::{Camera, Projection};
 use crate::{Error, Result};
@@ -22,7 +24,10 @@ use crate::{Error, Result};
 pub(super) fn run(job: &Map) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let Loaded { mut scene, .. } = job.reading.load(&job.scene, false)?;
+    let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &job.options, &observer)?;
+    if !job.quiet {
+        warnings.log();
+    }
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let eye = ((job.at - scene.origin) / scene.unit()).as_vec3();
     if !eye.is_finite() {

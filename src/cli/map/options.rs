@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::cli::args::MapArgs;
+use super::args::MapArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::{Reading, format_of, refuse_input};
 use crate::image::{Destination, Format};
@@ -27,6 +27,7 @@ pub(in crate::cli) struct Map {
     /// True if the back end was asked for.
     pub chosen: bool,
     pub options: render::Options,
+    pub strict: bool,
     pub quiet: bool,
 }
 
@@ -49,6 +50,7 @@ impl TryFrom<MapArgs> for Map {
             backend: Renderer::choose(args.backend)?,
             chosen: args.backend.is_some(),
             options: render::Options { threads: args.threads.unwrap_or(0) as usize, ..render::Options::default() },
+            strict: args.strict.strict,
             quiet: args.quiet,
         })
     }

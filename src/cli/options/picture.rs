@@ -2,9 +2,9 @@
 
 use clap::{Args, value_parser};
 
-use crate::cli::args::SettingsArgs;
+use crate::cli::args::{OpticsArgs, SettingsArgs};
 use crate::image::MOST_PIXELS;
-use crate::scene::{Settings, ShadowRule};
+use crate::scene::{LightsFrom, Settings, ShadowRule};
 use crate::{Error, Result};
 
 /// Settings given on the command line.
@@ -16,14 +16,16 @@ pub(in crate::cli) struct Overrides {
     depth: Option<u32>,
     cutoff: Option<f32>,
     shadows: Option<ShadowRule>,
+    lights_from: Option<LightsFrom>,
     wavelengths: Option<u32>,
 }
 
 impl Overrides {
     /// Converts the arguments.
-    pub fn new(args: SettingsArgs, shadows: Option<ShadowRule>) -> Self {
+    pub fn new(args: SettingsArgs, optics: OpticsArgs) -> Self {
         let SettingsArgs { width, height, samples, depth, cutoff, wavelengths } = args;
-        Self { width, height, samples, depth, cutoff, shadows, wavelengths }
+        let OpticsArgs { shadows, lights_from, .. } = optics;
+        Self { width, height, samples, depth, cutoff, shadows, lights_from, wavelengths }
     }
 
     /// Replaces the settings that were given.
@@ -37,6 +39,7 @@ impl Overrides {
         settings.max_depth = self.depth.unwrap_or(settings.max_depth);
         settings.cutoff = self.cutoff.unwrap_or(settings.cutoff);
         settings.shadows = self.shadows.unwrap_or(settings.shadows);
+        settings.lights_from = self.lights_from.unwrap_or(settings.lights_from);
         settings.wavelengths = self.wavelengths.unwrap_or(settings.wavelengths);
         refuse_large(settings)
     }

@@ -10,9 +10,10 @@ mod single;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use super::options::Parity;
+use self::options::Parity;
+use super::verdict::Verdict;
 use super::warnings::Warnings;
-use super::{Verdict, backend, interrupt, output, progress, view};
+use super::{backend, interrupt, output, progress, view};
 use crate::accel::reference::Reference;
 use crate::optics::FresnelModel;
 use crate::render::reference::Prepared;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::args::ParityArgs;
 use crate::accel::BuildQuality;
-use crate::cli::args::ParityArgs;
 use crate::cli::options::{Reading, SmallPicture};
 use crate::trial::shown::Ray;
 

@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use glam::Vec3;
 
 use super::contenders::Contenders;
+use super::options::Parity;
 use super::pixels::{Pixels, TOLERANCE, Worst};
 use crate::accel::reference::{Cause, Fault};
-use crate::cli::options::Parity;
 use crate::cli::warnings::Warnings;
 use crate::measure::table::{counted, grouped};
 use crate::scene::Scene;
 use crate::simd::level;
-use crate::trial::parity::{FAULTS, Query, Record, Records, Set, Tally, Wrong, fault_name};
+use crate::trial::parity::{FAULTS, Query, Record, Records, Set, VerdictCounts, Wrong, fault_name};
 use crate::trial::shown::{self, Ray};
 
 /// Inputs of a report. `records` and `pixels` are in the order of the sets and the contenders.
@@ -75,7 +75,7 @@ struct Row {
     differs_from_native: u64,
     differs_undecidably: u64,
     #[serde(skip)]
-    tally: Tally,
+    tally: VerdictCounts,
 }
 
 #[derive(serde::Serialize)]
@@ -240,7 +240,7 @@ impl Report {
             "{:<11} {:<13} {:>9} {:>7} {:>7} {:>4} {:>6} {:>6} {:>7}",
             "rays", "contender", "answers", "edge", "crack", "tie", "end", "sliver", "wrong"
         );
-        let mut line = |kind: &str, contender: &str, t: &Tally| {
+        let mut line = |kind: &str, contender: &str, t: &VerdictCounts| {
             let [edge, tie, interval, sliver, crack] = t.undecidable;
             let native = contender == self.contenders[0];
             let (end, wrong) = if native { (interval, t.broken()) } else { (interval + t.beyond_end, t.all_wrong()) };
@@ -319,8 +319,8 @@ impl Report {
     }
 }
 
-fn sum<'a>(rows: impl Iterator<Item = &'a Row>) -> Tally {
-    let mut sum = Tally::default();
+fn sum<'a>(rows: impl Iterator<Item = &'a Row>) -> VerdictCounts {
+    let mut sum = VerdictCounts::default();
     rows.for_each(|r| sum.merge(&r.tally));
     sum
 }
@@ -413,11 +413,11 @@ impl Example {
 mod tests {
     use super::*;
     use crate::accel::BuildQuality;
-    use crate::cli::args::{Cli, Command};
-    use crate::trial::parity::Finding;
+    use crate::cli::command::{Cli, Command};
+    use crate::trial::parity::Judgement;
 
     /// Report of one set in which the finding on native's closest hits is `finding`.
-    fn report(finding: Finding, pixels: &Pixels) -> Report {
+    fn report(finding: Judgement, pixels: &Pixels) -> Report {
         let Command::Parity(args) = <Cli as clap::Parser>::parse_from(["vitrum", "parity", "a.toml"]).command else {
             unreachable!("parity was asked for")
         };
@@ -443,16 +443,16 @@ mod tests {
     fn native_passes_where_it_is_nowhere_wrong_and_not_even_beyond_an_end() {
         let sound = Pixels { differ: 3, edge: 2, deep: 1, ..Pixels::default() };
         for (finding, wrong) in [
-            (Finding::Agrees, 0),
-            (Finding::Undecidable(Cause::Edge, 0.5), 0),
-            (Finding::BeyondEnd, 1),
-            (Finding::Wrong(Fault::Leak), 1),
+            (Judgement::Agrees, 0),
+            (Judgement::Undecidable(Cause::Edge, 0.5), 0),
+            (Judgement::BeyondEnd, 1),
+            (Judgement::Wrong(Fault::Leak), 1),
         ] {
             let report = report(finding, &sound);
             assert_eq!((report.native_wrong, report.passed()), (wrong, wrong == 0), "{finding:?}");
             assert_eq!(report.text().contains("native is WRONG in 1 case"), wrong == 1);
         }
         let off = Pixels { differ: 4, edge: 1, deep: 1, ..Pixels::default() };
-        assert_eq!(report(Finding::Agrees, &off).native_wrong, 2);
+        assert_eq!(report(Judgement::Agrees, &off).native_wrong, 2);
     }
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
+use super::options::Parity;
 use crate::Result;
 use crate::accel::reference::{Contact, Examined, Reference, Verdict};
 use crate::accel::{Backend, Coherence};
-use crate::cli::options::Parity;
 use crate::measure::table::counted;
 use crate::scene::Scene;
 use crate::simd::level;

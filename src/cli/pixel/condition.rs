@@ -1,6 +1,6 @@
 //! Condition of a pixel: the change of its value when its camera rays move by a few ulps.
 
-use crate::cli::options::Pixel;
+use super::options::Pixel;
 use crate::render::record::Tree;
 use crate::render::reference::Prepared;
 use crate::scene::Scene;

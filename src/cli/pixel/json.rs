@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::Findings;
 use super::condition::{Condition, TOLERANCE};
+use super::findings::Findings;
 use super::quantity::{self, Quantity};
 use super::text::{self, Totals};
 use crate::render::record::{Event, Met};

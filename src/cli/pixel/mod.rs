@@ -3,6 +3,7 @@
 mod align;
 pub(super) mod args;
 mod condition;
+mod findings;
 mod json;
 pub(super) mod options;
 mod quantity;
@@ -12,37 +13,19 @@ mod text;
 use std::path::Path;
 use std::sync::Arc;
 
+use self::options::Pixel;
 use super::backend;
-use super::options::{Pixel, refuse_input};
-use super::{Verdict, interrupt, output};
+use super::options::refuse_input;
+use super::verdict::Verdict;
+use super::{interrupt, output};
 use crate::accel::reference::Reference;
 use crate::accel::{Accel, BuildOptions};
 use crate::load::Loaded;
-use crate::render::record::Tree;
 use crate::render::reference::Prepared;
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::{Error, Result};
-use align::Row;
-use condition::Condition;
-
-/// A pixel in one renderer.
-struct Side {
-    radiance: [f64; 3],
-    truncated: [f64; 3],
-    tree: Tree,
-}
-
-/// Results on the pixel.
-struct Findings<'a> {
-    job: &'a Pixel,
-    scene: &'a Scene,
-    narrow: Side,
-    wide: Side,
-    rows: Vec<Row>,
-    /// One condition for each ray of the pixel that is shown.
-    conditions: Vec<Condition>,
-}
+use findings::{Findings, Side};
 
 /// Traces the pixel with both renderers, and reports.
 pub(super) fn run(job: &Pixel) -> Result<Verdict> {

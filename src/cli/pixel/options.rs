@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use super::args::PixelArgs;
 use crate::accel::Backend;
-use crate::cli::args::PixelArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::refraction;
 use crate::cli::options::{Overrides, Reading, refuse_input};
 use crate::image::Destination;
+use crate::optics::RefractionModel;
 use crate::render;
 use crate::{Error, Result};
 
@@ -38,6 +39,13 @@ impl TryFrom<PixelArgs> for Pixel {
                 "--backend reference: its f64 is always shown; name what is to be shown beside it, such as native",
             )));
         };
+        let refraction = refraction(args.optics.refraction, args.optics.oliveira)?;
+        if matches!(refraction, RefractionModel::MapOne | RefractionModel::MapTwo) {
+            return Err(Error::Usage(format!(
+                "--refraction {}: light that a map shows has no ray to be recorded; take another --refraction",
+                refraction.name()
+            )));
+        }
         let svg = match args.svg {
             None => None,
             Some(name) => {
@@ -54,11 +62,11 @@ impl TryFrom<PixelArgs> for Pixel {
             least: args.least,
             svg,
             json: args.json,
-            overrides: Overrides::new(args.settings, args.optics.shadows),
+            overrides: Overrides::new(args.settings, args.optics),
             backend,
             options: render::Options {
                 fresnel: args.optics.fresnel.unwrap_or_default(),
-                refraction: refraction(args.optics.refraction, args.optics.oliveira)?,
+                refraction,
                 threads: 1,
                 ..render::Options::default()
             },

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::Findings;
 use super::align::Row;
+use super::findings::Findings;
 use crate::math::ulp;
 use crate::render::RayKind;
 use crate::render::record::{Event, Met, Node, Source, Tree};
@@ -153,6 +153,8 @@ pub(super) fn source(source: Source) -> String {
         Source::MirroredEnvironment => String::from("mirrored env."),
         Source::Glow => String::from("own light"),
         Source::Light(i) => format!("light {}", i + 1),
+        Source::Emitters => String::from("emissive shapes"),
+        Source::Sky => String::from("sky light"),
     }
 }
 

@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 
-use super::Findings;
 use super::align::Row;
+use super::findings::Findings;
 use super::text::{self, Totals, digits};
 use crate::render::RayKind;
-use crate::render::record::Source;
 
 /// Size of a box, and of the space between boxes, in pixels.
 const WIDTH: f64 = 250.0;
@@ -168,8 +167,7 @@ fn boxed(svg: &mut String, findings: &Findings, card: &Card, totals: &Totals) {
             shown.map(|(name, v)| format!("{name} {:.4}", v.max_element())).collect::<Vec<_>>().join("   ")
         }));
         let blocked = event.shares.iter().filter(|s| s.blocker.is_some()).count();
-        let lit =
-            event.shares.iter().filter(|s| matches!(s.source, Source::Light(_)) && s.radiance != DVec3::ZERO).count();
+        let lit = event.shares.iter().filter(|s| s.source.is_shadowed() && s.radiance != DVec3::ZERO).count();
         let mut notes = Vec::new();
         if lit > 0 {
             notes.push(format!("{lit} lit"));

@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::align::Row;
-use super::condition::TOLERANCE;
+use super::condition::{Condition, TOLERANCE};
+use super::findings::{Findings, Side};
 use super::quantity::{self, Quantity};
-use super::{Findings, Side};
 use crate::render::RayKind;
 use crate::render::record::{Event, Met, Source};
 use crate::scene::{Interface, LightKind, Scene};
@@ -100,7 +100,7 @@ pub(super) fn of_the_pixel(narrow: &Side, wide: &Side) -> Vec<Quantity> {
 }
 
 fn conditions(findings: &Findings) -> Vec<String> {
-    let tell = |c: &super::Condition| match c.ulps {
+    let tell = |c: &Condition| match c.ulps {
         Some(ulps) => {
             format!("ill-conditioned: {ulps} ulp{} move it by over {TOLERANCE}", if ulps == 1.0 { "" } else { "s" })
         }
@@ -229,15 +229,15 @@ fn remarks(findings: &Findings, row: &Row) -> Vec<String> {
         lines.push(format!("index {n1} to {n2}"));
     }
     for share in &event.shares {
-        let Source::Light(light) = share.source else { continue };
-        let kind = match findings.scene.lights[light as usize].kind {
-            LightKind::Point { .. } => "point",
-            LightKind::Spot { .. } => "spot",
-            LightKind::Directional { .. } => "directional",
-            LightKind::Sphere { .. } => "sphere",
-            LightKind::Rectangle { .. } => "rectangle",
+        let name = match share.source {
+            Source::Light(light) => {
+                let kind = kind_of(&findings.scene.lights[light as usize].kind);
+                format!("light {} ({kind})", light + 1)
+            }
+            Source::Emitters => String::from("light of emissive shapes"),
+            Source::Sky => String::from("light of the environment"),
+            Source::Environment | Source::MirroredEnvironment | Source::Glow => continue,
         };
-        let name = format!("light {} ({kind})", light + 1);
         if let Some(blocker) = share.blocker {
             lines.push(format!("{name} is blocked by {}", findings.scene.objects[blocker as usize].name));
         } else if share.radiance == DVec3::ZERO {
@@ -257,6 +257,16 @@ fn remarks(findings: &Findings, row: &Row) -> Vec<String> {
         lines.push(format!("the {kind} ray is cut off: {why}"));
     }
     lines
+}
+
+fn kind_of(light: &LightKind) -> &'static str {
+    match light {
+        LightKind::Point { .. } => "point",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Directional { .. } => "directional",
+        LightKind::Sphere { .. } => "sphere",
+        LightKind::Rectangle { .. } => "rectangle",
+    }
 }
 
 fn number(quantity: &Quantity, indent: &str) -> String {

@@ -7,6 +7,8 @@ use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
 use crate::cli::args::ModelArgs;
+use crate::cli::args::numbers::duration;
+use crate::cli::args::reflections::ReflectionsArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::cli::formulas::args::FormulasArgs;
@@ -19,6 +21,7 @@ use crate::study::Axis;
   vitrum price bunny.obj -o bunny-price --limit 90s --size 320x240
   vitrum price scenes/prism.toml -o prism-price --axes fresnel,depth --pictures
   vitrum price scenes/goblet.toml -o goblet-price --json > goblet.json
+  vitrum price --reflections -o reflections
   vitrum price --formulas
   vitrum price --formulas --of refraction,fresnel --count 200000
   vitrum price --formulas --csv > formulas.csv
@@ -30,12 +33,14 @@ the product of the choices that mattered, as far as --limit allows; what is
 left out is said. The folder gets report.html (one page that needs no network),
 report.json and report.csv. Ctrl-C keeps what is done, and the same command
 goes on. A quiet machine gives narrow intervals.
+With --reflections the lecture notes' systems run on the bundled scenes, beside
+traced pictures; the folder gets reflections.html, reflections.json and scenes.
 With --formulas no picture is made: each formula is timed in eight lanes, in one
 and in f64, and held against an oracle of twice the digits of f64; the errors
 are the same in every run.")]
 pub(in crate::cli) struct PriceArgs {
     /// Scene (.toml) or model (.obj)
-    #[arg(required_unless_present = "formulas", conflicts_with = "formulas")]
+    #[arg(required_unless_present_any = ["formulas", "reflections"], conflicts_with_all = ["formulas", "reflections"])]
     pub scene: Option<PathBuf>,
 
     #[command(flatten)]
@@ -47,6 +52,9 @@ pub(in crate::cli) struct PriceArgs {
 
     #[command(flatten)]
     pub formulas: FormulasArgs,
+
+    #[command(flatten)]
+    pub reflections: ReflectionsArgs,
 
     /// Time that one run may take: 90s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "5m")]
@@ -101,25 +109,6 @@ pub(in crate::cli) struct PriceArgs {
     pub quiet: bool,
 }
 
-/// Parses seconds, or a number with `s`, `m` or `h`.
-pub(in crate::cli) fn duration(text: &str) -> Result<Duration, String> {
-    let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
-        Some(at) => text.split_at(at),
-        None => (text, "s"),
-    };
-    let factor = match unit {
-        "ms" => 1e-3,
-        "s" => 1.0,
-        "m" | "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err(String::from("not a time; write 90s, 5m or 1h")),
-    };
-    match number.trim().parse::<f64>() {
-        Ok(n) if n > 0.0 && n * factor <= 1e6 => Ok(Duration::from_secs_f64(n * factor)),
-        _ => Err(String::from("not a time above 0; write 90s, 5m or 1h")),
-    }
-}
-
 fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || String::from("not a size; write columns x rows, such as 320x240");
     let (w, h) = text.split_once('x').ok_or_else(wrong)?;
@@ -135,13 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_and_sizes_are_read_or_refused() {
-        assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
-        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
-        assert_eq!((duration("2"), duration("1h")), (Ok(Duration::from_secs(2)), Ok(Duration::from_secs(3600))));
-        for text in ["", "0s", "-1s", "5 parsecs", "nan", "1e99h"] {
-            assert!(duration(text).is_err(), "{text}");
-        }
+    fn sizes_are_read_or_refused() {
         assert_eq!(size("320x240"), Ok([320, 240]));
         assert!(size("320").is_err() && size("4x4").is_err() && size("320x").is_err());
     }

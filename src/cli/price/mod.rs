@@ -6,14 +6,15 @@ pub(super) mod options;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::options::Price;
-use super::{Verdict, backend, interrupt, output, progress};
+use self::options::Price;
+use super::verdict::Verdict;
+use super::{backend, interrupt, output, progress, repeat};
 use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::measure::Machine;
+use crate::measure::shell::quoted;
 use crate::render::{self, Observer};
 use crate::study::html::{self, Pair, References};
-use crate::study::variant::quoted;
 use crate::study::{self, Report, Subject, Variant, Watch};
 use crate::system::files;
 use crate::{Error, Result};
@@ -36,6 +37,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
         runs: job.runs,
         combine: job.combine,
         command: command(),
+        repeat: repeat::command,
         machine: Machine::this(embree::installed().ok()),
     };
     let report = progress::session(job.limit, !job.quiet, |say| {
@@ -60,7 +62,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
 }
 
 /// Returns this program's own command line, for a shell.
-fn command() -> String {
+pub(super) fn command() -> String {
     let arguments = std::env::args_os().skip(1).map(|a| quoted(&a.to_string_lossy()));
     std::iter::once(String::from("vitrum")).chain(arguments).collect::<Vec<_>>().join(" ")
 }
@@ -112,7 +114,7 @@ fn pictures(folder: &Path, report: &Report) -> Result<()> {
         let film = kept(folder, film)?;
         let name: String =
             name.replace(", ", "_").chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '-' }).collect();
-        let metadata = vec![(String::from("vitrum:options"), variant.to_string())];
+        let metadata = vec![(String::from("vitrum:options"), repeat::options(variant))];
         for (extension, format) in [("png", Format::Png), ("exr", Format::Exr)] {
             let encoding = Encoding { format, bits: Bits::Eight, metadata: metadata.clone() };
             let file = Destination::new(&to.join(format!("{name}.{extension}")))?;

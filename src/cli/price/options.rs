@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::args::PriceArgs;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::PriceArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::Reading;
 use crate::study::Axis;
@@ -40,20 +40,7 @@ impl TryFrom<PriceArgs> for Price {
         let (Some(scene), Some(folder)) = (args.scene, args.output) else {
             return Err(Error::Usage(String::from("price: name a scene and -o a folder, or ask for --formulas")));
         };
-        let backend = match args.backend {
-            Some(Renderer::Packets(backend)) => backend,
-            Some(Renderer::Reference | Renderer::Walk(..)) => {
-                return Err(Error::Usage(String::from(
-                    "--backend reference: f64 is what all is held against; take native, embree or embree-fast as the default",
-                )));
-            }
-            None if Backend::Embree.availability().is_ok() => Backend::Embree,
-            None => Backend::Native,
-        };
-        backend.availability()?;
-        if folder.exists() && !folder.is_dir() {
-            return Err(Error::Usage(format!("-o {}: is a file; name a folder", folder.display())));
-        }
+        let (backend, folder) = (default_backend(args.backend)?, self::folder(folder)?);
         let axes = if args.axes.is_empty() { Axis::ALL.to_vec() } else { args.axes };
         Ok(Self {
             scene,
@@ -74,4 +61,35 @@ impl TryFrom<PriceArgs> for Price {
             quiet: args.quiet,
         })
     }
+}
+
+/// Returns the back end of the default picture.
+///
+/// # Errors
+/// - [`Error::Usage`] for a renderer that is no back end of packets.
+/// - [`Error::Limit`] if the back end is not available.
+pub(in crate::cli) fn default_backend(asked: Option<Renderer>) -> Result<Backend> {
+    let backend = match asked {
+        Some(Renderer::Packets(backend)) => backend,
+        Some(Renderer::Reference | Renderer::Walk(..)) => {
+            return Err(Error::Usage(String::from(
+                "--backend reference: f64 is what all is held against; take native, embree or embree-fast as the default",
+            )));
+        }
+        None if Backend::Embree.availability().is_ok() => Backend::Embree,
+        None => Backend::Native,
+    };
+    backend.availability()?;
+    Ok(backend)
+}
+
+/// Checks that the place of a report can be a folder.
+///
+/// # Errors
+/// [`Error::Usage`] if it is a file.
+pub(in crate::cli) fn folder(folder: PathBuf) -> Result<PathBuf> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Error::Usage(format!("-o {}: is a file; name a folder", folder.display())));
+    }
+    Ok(folder)
 }

@@ -7,16 +7,18 @@ use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
-use crate::cli::args::numbers::{above_zero, bound, exposure};
+use crate::cli::args::numbers::{above_zero, bound, duration, exposure};
 use crate::cli::args::{EffectArgs, ModelArgs, OpticsArgs, SettingsArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, about_with, levels};
-use crate::cli::price::args as price;
 use crate::image::Bits;
 use crate::render::Reflection;
 use crate::simd::ReciprocalModel;
 use crate::study::Spheres;
 use crate::systems::maps::Proxy;
+
+/// Largest number of mirrors in a row, as that of a ray's depth.
+const MOST_MIRRORS: i64 = 10_000;
 
 /// Render a scene file or an OBJ model to a picture.
 #[derive(Debug, Args)]
@@ -72,7 +74,7 @@ pub(in crate::cli) struct RenderArgs {
     pub reflection: Option<Reflection>,
 
     /// Under --reflection planar, mirrors in a row at most; light that needs more is left out [default: as --depth]
-    #[arg(long, value_name = "N", help_heading = "Light")]
+    #[arg(long, value_name = "0..10000", value_parser = value_parser!(u32).range(0..=MOST_MIRRORS), help_heading = "Light")]
     pub mirror_levels: Option<u32>,
 
     #[arg(long, help = about::<Proxy>(), value_parser = levels::<Proxy>(), help_heading = "Light")]
@@ -103,7 +105,7 @@ pub(in crate::cli) struct RenderArgs {
     pub max_error: Option<f64>,
 
     /// Choose what renders within TIME (2s, 500ms), the most accurate; what is given besides stays
-    #[arg(long, value_name = "TIME", value_parser = price::duration, help_heading = "Budget")]
+    #[arg(long, value_name = "TIME", value_parser = duration, help_heading = "Budget")]
     pub time_budget: Option<Duration>,
 
     /// Worker threads [default: one a processor]
@@ -114,6 +116,10 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_name = "PIXELS", value_parser = value_parser!(u32).range(1..=1024), default_value_t = 32,
         help_heading = "Machine")]
     pub tile: u32,
+
+    /// Camera of a glTF model that is rendered by itself [default: its first one, else one that shows all of it]
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub camera: Option<String>,
 
     #[command(flatten, next_help_heading = "Reports")]
     pub strict: StrictArg,

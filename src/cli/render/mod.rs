@@ -1,21 +1,28 @@
 //! `vitrum render`.
 
 pub(super) mod args;
+mod budget;
 pub(super) mod options;
+mod picture;
+mod summary;
+mod systems;
 
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use self::options::Render;
+use self::picture::picture;
+use self::summary::{Facts, Seconds, Summary};
 use super::backend::{self, Traced};
-use super::options::{Exposure, Render, refuse_input};
-use super::summary::{Facts, Seconds, Summary};
+use super::options::{Exposure, refuse_input};
 use super::unmatched::Unmatched;
+use super::verdict::Verdict;
 use super::warnings::{self, Warnings};
-use super::{Verdict, budget, interrupt, metadata, output, progress};
+use super::{interrupt, metadata, output};
 use crate::image::{self, Encoding, Film};
-use crate::load::{LoadReport, Loaded};
+use crate::load::{self, LoadOptions, LoadReport, Loaded};
 use crate::notices;
 use crate::render::Observer;
 use crate::scene::Scene;
@@ -29,7 +36,8 @@ pub(super) fn run(mut job: Render) -> Result<Verdict> {
     interrupt::listen(&observer)?;
 
     let start = Instant::now();
-    let Loaded { mut scene, report } = job.reading.load(&job.scene, job.strict)?;
+    let files = LoadOptions { camera: job.camera.clone(), ..job.reading.options(&job.scene, job.strict)? };
+    let Loaded { mut scene, report } = load::scene(&job.scene, &files)?;
     job.overrides.apply(&mut scene.settings)?;
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
@@ -96,15 +104,6 @@ fn facts<'a>(job: &'a Render, scene: &'a Scene, report: &'a LoadReport) -> notic
     notices::Facts { file: &job.scene, scene, report, options: &job.options }
 }
 
-/// Renders with a progress bar. Without a budget, also searches for missing light.
-pub(super) fn picture(job: &Render, scene: &Scene, observer: &Observer) -> Result<Traced> {
-    let exposure = job.wish.is_none().then(|| job.exposure.factor());
-    let pixels = u64::from(scene.settings.width) * u64::from(scene.settings.height);
-    progress::follow(observer, pixels, !job.quiet, || {
-        backend::trace(scene, job.backend, job.bvh, &job.options, observer, exposure)
-    })
-}
-
 /// Loss for which the worst object is named.
 const NEVER_ENTERED: &str = "rays left a medium that they never entered";
 
@@ -167,6 +166,8 @@ mod tests {
                 touching: TouchingFound::default(),
                 planar: None,
                 maps: None,
+                images: None,
+                body_maps: None,
             },
             build: Some(BuildStats { dropped, ..BuildStats::default() }),
             build_time: Duration::ZERO,

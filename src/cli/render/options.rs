@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use super::args::RenderArgs;
 use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::RenderArgs;
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::{no_hierarchy, refraction};
-use crate::cli::options::{Overrides, Reading, effects, format_of, refuse_input};
+use crate::cli::options::{Exposure, Overrides, Reading, effects, format_of, refuse_input};
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::Reflection;
-use crate::scene::ShadowRule;
+use crate::scene::{LightsFrom, ShadowRule};
 use crate::study::budget::Wish;
 use crate::study::{Axis, Spheres};
 use crate::systems::maps::Proxy;
@@ -38,23 +38,12 @@ pub(in crate::cli) struct Render {
     pub wish: Option<Wish>,
     /// Axes whose level the command line chose.
     pub fixed: Vec<Axis>,
+    /// Name of the model's camera to use.
+    pub camera: Option<String>,
     /// True if warnings and losses are errors.
     pub strict: bool,
     pub json: bool,
     pub quiet: bool,
-}
-
-/// Factor on all colours, `2^ev`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::cli) struct Exposure {
-    pub ev: f32,
-}
-
-impl Exposure {
-    /// Returns the factor.
-    pub fn factor(self) -> f32 {
-        self.ev.exp2()
-    }
 }
 
 impl TryFrom<RenderArgs> for Render {
@@ -66,6 +55,13 @@ impl TryFrom<RenderArgs> for Render {
         effects::refuse_contradiction(&effects, Effect::Refraction, bent)?;
         let straight = matches!(args.optics.shadows, Some(ShadowRule::Straight)).then_some("--shadows straight");
         effects::refuse_contradiction(&effects, Effect::ShadowsThroughGlass, straight)?;
+        for (effect, levels) in [
+            (Effect::EmissiveLight, [LightsFrom::Emissive, LightsFrom::All]),
+            (Effect::SkyLight, [LightsFrom::Sky, LightsFrom::All]),
+        ] {
+            let asked = args.optics.lights_from.filter(|from| levels.contains(from)).map(|_| "--lights-from");
+            effects::refuse_contradiction(&effects, effect, asked)?;
+        }
         let spread = args.settings.wavelengths.map(|_| "--wavelengths");
         effects::refuse_contradiction(&effects, Effect::Dispersion, spread)?;
         let backend = backend(&args)?;
@@ -91,6 +87,7 @@ impl TryFrom<RenderArgs> for Render {
             (Axis::Refraction, args.optics.refraction.is_some()),
             (Axis::Reflection, args.reflection.is_some()),
             (Axis::Shadows, args.optics.shadows.is_some()),
+            (Axis::LightsFrom, args.optics.lights_from.is_some()),
             (Axis::Spheres, args.spheres.is_some()),
             (Axis::Cutoff, args.settings.cutoff.is_some() || args.cutoff_error.is_some()),
             (Axis::Depth, args.settings.depth.is_some()),
@@ -119,7 +116,7 @@ impl TryFrom<RenderArgs> for Render {
             format,
             bits: args.bits.unwrap_or_default(),
             exposure: Exposure { ev: args.exposure.unwrap_or(0.0) },
-            overrides: Overrides::new(args.settings, args.optics.shadows),
+            overrides: Overrides::new(args.settings, args.optics),
             spheres: args.spheres.unwrap_or(Spheres::Exact),
             wish,
             fixed: fixed.into_iter().filter(|(_, given)| *given).map(|(axis, _)| axis).collect(),
@@ -138,6 +135,7 @@ impl TryFrom<RenderArgs> for Render {
                 threads: args.threads.unwrap_or(0) as usize,
                 tile: args.tile,
             },
+            camera: args.camera,
             strict: args.strict.strict,
             json: args.json,
             quiet: args.quiet,
@@ -155,9 +153,10 @@ fn refuse_carried(args: &RenderArgs) -> Result<()> {
         (_, Some(_)) => "--cutoff-error",
         _ => return Ok(()),
     };
-    if matches!(args.reflection, Some(Reflection::Planar)) {
+    if matches!(args.reflection, Some(Reflection::Planar | Reflection::Virtual)) {
         return Err(Error::Usage(format!(
-            "{flag}: the rays of a mirrored camera do not carry what it needs; leave it or --reflection planar out"
+            "{flag}: the rays of mirrored cameras and virtual scenes do not carry what it needs; leave it out, or take \
+             --reflection traced"
         )));
     }
     Ok(())

@@ -4,9 +4,10 @@ pub(super) mod args;
 
 use std::path::Path;
 
-use super::args::SceneArgs;
+use self::args::SceneArgs;
 use super::options::{Reading, refuse_input};
-use super::{Verdict, output};
+use super::output;
+use super::verdict::Verdict;
 use crate::image::Destination;
 use crate::load;
 use crate::{Error, Result};

@@ -6,16 +6,17 @@ pub(super) mod options;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::options::Verify;
+use self::options::Verify;
+use super::verdict::Verdict;
 use super::warnings::Warnings;
-use super::{Verdict, backend, interrupt, output, progress};
+use super::{backend, interrupt, output, progress};
 use crate::Result;
 use crate::accel::Backend;
 use crate::measure::table::{counted, grouped};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::simd::level;
-use crate::trial::verify::{self, Candidate, Finding, Plan, Trouble, UnderTest};
+use crate::trial::verify::{self, Candidate, GroupResult, Trouble, UnderTest, VerifyPlan};
 
 /// Largest number of troubles of each kind listed outside JSON.
 const TOLD: usize = 8;
@@ -101,7 +102,7 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         full: job.plan.full,
         bvh: job.bvh.name(),
         // Faulty triangles are reported, but are no failure: a scene may have them and be rendered correctly.
-        holds: findings.iter().all(Finding::holds),
+        holds: findings.iter().all(GroupResult::holds),
         groups: findings.iter().map(Row::of).collect(),
         troubles: troubles.found.iter().map(TroubleRow::of).collect(),
         probes_left_out: troubles.probes_left_out,
@@ -118,24 +119,24 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
     Ok(if report.holds { Verdict::Done } else { Verdict::Negative })
 }
 
-fn fire(job: &Verify, scene: Option<(&Scene, &str)>, observer: &Observer) -> Result<Vec<Finding>> {
+fn fire(job: &Verify, scene: Option<(&Scene, &str)>, observer: &Observer) -> Result<Vec<GroupResult>> {
     let mut findings = if scene.is_none() { verify::fire_at_optics(&job.plan, observer)? } else { Vec::new() };
     let wanted = |backend: &Backend| if *backend == Backend::Native { job.native } else { job.embree };
     for backend in Backend::ALL.into_iter().filter(wanted) {
         findings.extend(fire_at(&UnderTest { backend, bvh: job.bvh }, &job.plan, scene, observer)?);
     }
     // Paths of a group side by side, in the requested order.
-    let place = |f: &Finding| job.plan.groups.iter().position(|&g| g == f.group);
+    let place = |f: &GroupResult| job.plan.groups.iter().position(|&g| g == f.group);
     findings.sort_by_key(place);
     Ok(findings)
 }
 
 fn fire_at<C: Candidate>(
     candidate: &C,
-    plan: &Plan,
+    plan: &VerifyPlan,
     scene: Option<(&Scene, &str)>,
     observer: &Observer,
-) -> Result<Vec<Finding>> {
+) -> Result<Vec<GroupResult>> {
     match scene {
         Some((scene, name)) => verify::fire_at_scene(candidate, scene, name, plan, observer),
         None => verify::fire_at_path(candidate, plan, observer),
@@ -143,7 +144,7 @@ fn fire_at<C: Candidate>(
 }
 
 impl Row {
-    fn of(f: &Finding) -> Self {
+    fn of(f: &GroupResult) -> Self {
         let worst = f.tally.worst.as_ref();
         Self {
             group: f.group.name(),
@@ -252,13 +253,14 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::trial::verify::{Group, Tally, Worst};
+    use crate::trial::verify::{CaseCounts, Group, Worst};
 
     #[test]
     fn a_group_that_falls_short_is_told_with_its_figures() {
         let worst = Some(Worst { what: "relative error of R", value: 2e-6, bound: Some(1.2e-6) });
-        let tally = Tally { cases: 12_345, failures: 1, worst, examples: vec![String::from("1 to 1.5")], left_out: 0 };
-        let finding = Finding { group: Group::Fresnel, path: None, tally, time: Duration::from_millis(250) };
+        let tally =
+            CaseCounts { cases: 12_345, failures: 1, worst, examples: vec![String::from("1 to 1.5")], left_out: 0 };
+        let finding = GroupResult { group: Group::Fresnel, path: None, tally, time: Duration::from_millis(250) };
         assert!(!finding.holds());
         let report = Report {
             version: "0",
@@ -279,7 +281,7 @@ mod tests {
         assert_eq!(lines[1], "fresnel  -     12 345         1  2.00e-6  1.20e-6  0.2 s  relative error of R");
         assert_eq!(lines[3..5], ["fresnel, all paths:", "  1 to 1.5"]);
         assert_eq!(lines.last(), Some(&"FALLS SHORT: none, 2 threads"));
-        let none = Finding { tally: Tally::default(), ..finding };
+        let none = GroupResult { tally: CaseCounts::default(), ..finding };
         assert!(!none.holds(), "what was not tried is not said to hold");
     }
 }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::args::VerifyArgs;
 use crate::accel::{Backend, BuildQuality};
-use crate::cli::args::VerifyArgs;
 use crate::cli::choice::PathArg;
 use crate::cli::options::Reading;
 use crate::cli::options::choices::no_hierarchy;
@@ -16,7 +16,7 @@ pub(in crate::cli) struct Verify {
     /// Scene to test; `None` for the built-in cases.
     pub scene: Option<PathBuf>,
     pub reading: Reading,
-    pub plan: verify::Plan,
+    pub plan: verify::VerifyPlan,
     pub native: bool,
     /// True to test both modes of Embree, if it is compiled in.
     pub embree: bool,
@@ -62,7 +62,7 @@ impl TryFrom<VerifyArgs> for Verify {
         Ok(Self {
             scene: args.scene,
             reading: args.model.into(),
-            plan: verify::Plan { groups, full: args.full, rays: None },
+            plan: verify::VerifyPlan { groups, full: args.full, rays: None },
             native: args.backend.contains(&PathArg::Native),
             embree,
             bvh: args.bvh.unwrap_or_default(),

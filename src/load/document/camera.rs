@@ -9,7 +9,7 @@ use crate::load::assembly::Assembly;
 use crate::load::origin::Frame;
 use crate::optics::FEWEST_BANDS;
 use crate::scene::ranges::{LEAST_SINE_OF_UP, LIGHT_SAMPLES, MOST_DEPTH, MOST_WAVELENGTHS, SAMPLES};
-use crate::scene::{Camera, LampSampling, Pattern, Projection, Settings, ShadowRule};
+use crate::scene::{Camera, LampChoice, LampSampling, LightsFrom, Pattern, Projection, Settings, ShadowRule};
 use crate::{Error, Result};
 
 /// Returns eye and target in world coordinates.
@@ -85,6 +85,11 @@ pub(super) fn settings(table: &Table<'_>, options: &LoadOptions) -> Result<Setti
             v.choice(&[("straight", ShadowRule::Straight), ("opaque", ShadowRule::Opaque)])
         })?,
         lamps: lamps(table, default.lamps)?,
+        lights_from: table
+            .or("lights_from", default.lights_from, |v| v.choice(&LightsFrom::ALL.map(|from| (from.name(), from))))?,
+        lamp_choice: table
+            .or("lamps", default.lamp_choice, |v| v.choice(&LampChoice::ALL.map(|choice| (choice.name(), choice))))?,
+        shine_shadows: default.shine_shadows,
         wavelengths: table.or("wavelengths", default.wavelengths, |v| v.whole(FEWEST_BANDS..=MOST_WAVELENGTHS))?,
     };
     table.finish()?;

@@ -90,6 +90,8 @@ pub(super) fn material<'d>(
         diffuse,
         highlight: table.opt("highlight", |v| highlight(&v.table("highlight")?))?,
         emission,
+        glow: None,
+        relief: None,
         interface,
     };
     table.finish()?;

@@ -90,11 +90,16 @@ pub(super) fn mesh<'d>(
                 wrong_transform: &wrong,
             };
             table.finish()?;
-            let found = Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)?;
-            match (request.not_replaced(&found), table.get("materials")) {
-                (Some(fault), Some(value)) => Err(value.error(fault)),
-                _ => Ok(()),
+            let extras = Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)?;
+            if let (Some(fault), Some(value)) = (request.not_replaced(&extras.names), table.get("materials")) {
+                return Err(value.error(fault));
             }
+            if extras.view.is_some() || !extras.lamps.is_empty() {
+                let lights = extras.lamps.len();
+                let what = format!("`{name}` without the camera and the lights ({lights}) of its file");
+                assembly.reporter.default_used(what);
+            }
+            Ok(())
         }
         (None, Some(value)) => {
             let kind = value.choice(&KINDS)?;

@@ -132,7 +132,8 @@ impl Maker<'_> {
             _ => None,
         };
         let ambient = if illum == 0 { Rgb::ZERO } else { colour(values.ambient) };
-        let material = Material { name: self.entry.name.clone(), ambient, diffuse, highlight, emission, interface };
+        let name = self.entry.name.clone();
+        let material = Material { name, ambient, diffuse, highlight, emission, interface, ..Material::default() };
         Ok(Made { material, uv })
     }
 

@@ -1,8 +1,8 @@
 //! Reader of PLY models (Turk 1994, "The PLY Polygon File Format"): ASCII and binary of both byte orders.
 //!
 //! The scanner is our own. The crate that reads this format, `ply-rs-bw` 4.0.1, fails the whole file for one word that
-//! is no number. Of two properties of the same name it keeps one, and so misreads all that follows. It repeats an entry
-//! without properties as often as the header says.
+//! is no number. It keeps one of two properties of the same name, and so misreads everything behind them. It repeats an
+//! entry without properties as often as the header says.
 
 mod header;
 mod numbers;
@@ -82,7 +82,8 @@ fn nothing(header: &Header, vertices: usize, faces: usize) -> String {
     if faces > 0 {
         return format!("has no triangles: none of its faces ({faces}) can be drawn; see the corners they name");
     }
-    let names: Vec<&str> = header.elements.iter().map(|e| e.name.as_str()).filter(|&n| n != "vertex").take(5).collect();
+    let names = header.elements.iter().map(|e| e.name.chars().take(40).collect::<String>());
+    let names: Vec<String> = names.filter(|n| n != "vertex").take(5).collect();
     if names.is_empty() || names == ["face"] {
         format!("has no triangles: it holds {vertices} points and no face; make a mesh of the points first")
     } else {

@@ -16,6 +16,12 @@ pub struct Refracted<R: Real> {
 
 /// Refraction formula as a type, so that a shading stage is compiled for it and holds no branch.
 pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
+    /// True if it is for planar surfaces alone; curved ones then refract by the stable form.
+    const FLAT_ONLY: bool = false;
+
+    /// Number of interfaces of a body after which a map of its surroundings is looked up; 0 if none is.
+    const MAPPED: u32 = 0;
+
     /// Returns the formula with its constant, if it has one and `constant` is given, else the default.
     #[must_use]
     fn with_constant(constant: Option<f64>) -> Self {

@@ -7,13 +7,17 @@
 
 mod algebraic;
 mod formula;
+mod mapped;
 mod oliveira;
+mod raised;
 mod stable;
 mod trigonometric;
 
 pub use algebraic::{Bec, Heckbert, SlidesVector};
 pub use formula::{Refracted, RefractionFormula};
+pub use mapped::{MapOne, MapTwo};
 pub use oliveira::Oliveira;
+pub use raised::Raised;
 pub use stable::{Stable, StraightThrough};
 pub use trigonometric::Trigonometric;
 
@@ -25,6 +29,12 @@ crate::choice! {
     pub enum RefractionModel("refraction", default(Stable), visitor(RefractionVisitor, RefractionFormula)) {
         /// No refraction: light goes straight on.
         "straight" => StraightThrough by StraightThrough,
+        /// Lookup in a cube map of a body's surroundings after one bend; Snell's law elsewhere.
+        "map-one" => MapOne by MapOne,
+        /// Lookup in such a map after two bends, with the thickness from the body's back side; Snell's law elsewhere.
+        "map-two" => MapTwo by MapTwo,
+        /// Raised objects behind planar surfaces, each at its depth times the ratio of indices; Snell's law at curved ones.
+        "raised" => Raised by Raised,
         /// Oliveira's approximation.
         "oliveira" => Oliveira(formula: Oliveira = Oliveira::GLASS) by formula,
         /// Snell's law by Bec's method.

@@ -166,6 +166,18 @@ pub enum Source {
     Glow,
     /// Light, as an index into `Scene::lights`.
     Light(u32),
+    /// Emissive shapes and sampled lamps that light the surface.
+    Emitters,
+    /// Environment that lights the surface.
+    Sky,
+}
+
+impl Source {
+    /// Returns true if objects cast shadows in this light.
+    #[must_use]
+    pub fn is_shadowed(self) -> bool {
+        matches!(self, Self::Light(_) | Self::Emitters | Self::Sky)
+    }
 }
 
 /// Secondary ray that was not sent.

@@ -18,6 +18,7 @@ use crate::render::RayKind;
 use crate::render::lamp::before_lamp;
 use crate::render::queue::{Chunk, State8};
 use crate::render::shading::Shading;
+use crate::render::shine::Shiner;
 use crate::render::soft::SoftStages;
 use crate::render::split::SplitStage;
 use crate::render::surface::Surface8;
@@ -178,7 +179,12 @@ impl<I: Intersector> Worker<'_, I> {
         }
         let radiance = self.added_since(before);
         let blocker = shadow.filter(|_| radiance == DVec3::ZERO).and_then(|shadow| self.blocker(shadow));
-        Some(Share { source: Source::Light(lamp as u32), unshadowed, radiance, blocker })
+        let source = match Shiner::of(lamp, self.shading.scene) {
+            None => Source::Light(lamp as u32),
+            Some(Shiner::Emitters) => Source::Emitters,
+            Some(Shiner::Around) => Source::Sky,
+        };
+        Some(Share { source, unshadowed, radiance, blocker })
     }
 
     /// Records the surface hit, its division of light, and the rays that the limits will end.

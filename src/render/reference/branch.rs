@@ -28,7 +28,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let weight = at.ray.weight * lobe.share;
         if weight != DVec3::ZERO {
             let polarisation = lobe.polarisation;
-            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation, start: None });
+            self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation, start: None, shown: None });
         }
     }
 
@@ -44,7 +44,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
             divide(at.ray.budget.into(), [toll(0).into(), toll(1).into()])
         });
         for (k, branch) in branches.drain(..).enumerate() {
-            let Branch { kind, dir, weight, nm, stack, polarisation, start } = branch;
+            let Branch { kind, dir, weight, nm, stack, polarisation, start, shown } = branch;
             let (too_light, budget) = match &proven {
                 None => (weight.abs().max_element() < f64::from(settings.cutoff), at.ray.budget),
                 Some(Division { cut, budget }) => (cut[k], budget[k].into()),
@@ -71,6 +71,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                 polarisation,
                 budget,
                 image,
+                shown,
                 node: 0,
             };
             self.queue(at.ray.node, ray);

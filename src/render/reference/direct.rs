@@ -10,6 +10,7 @@ use crate::math::Vector3;
 use crate::optics::reflect;
 use crate::render::RayKind;
 use crate::render::record::{Recorder, Share, Source};
+use crate::render::shine::{Shine, Shiner};
 use crate::scene::{Highlight, HighlightModel, Light};
 
 /// Contribution of a light, or of some sample points of it.
@@ -34,12 +35,16 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         let weight = at.ray.weight * share;
         let material = at.material;
         let ambient = material.ambient.as_dvec3() * scene.ambient.as_dvec3();
-        let glow = weight * (material.emission.as_dvec3() + ambient);
+        let emission = material
+            .glow
+            .as_ref()
+            .map_or(material.emission.as_dvec3(), |glow| colour::on_surface(scene, glow, &at.surface));
+        let glow = weight * (emission + ambient);
         if glow != DVec3::ZERO {
             self.add(at.ray.node, Source::Glow, glow);
         }
         let albedo = colour::on_surface(scene, &material.diffuse, &at.surface);
-        for (number, light) in scene.lights.iter().enumerate() {
+        for (number, light) in scene.lights.iter().enumerate().filter(|(_, light)| !scene.is_sampled(light)) {
             let points = &self.prepared.points;
             let count = if light.kind.is_extended() { points.count() } else { 1 };
             let by = points.scramble(self.film.pixel, at.ray.depth, number as u32);
@@ -51,14 +56,53 @@ impl<L: Recorder> Tracer<'_, '_, L> {
                 }
             }
             if let Some(lit) = sum {
-                self.write_down(at, number, &lit);
+                self.write_down(at, Source::Light(number as u32), &lit);
             }
+        }
+        for kind in Shiner::ALL {
+            self.shine(at, kind, albedo, weight);
+        }
+    }
+
+    /// Adds the light of a source that shines beside lamps.
+    fn shine(&mut self, at: &Arrival, kind: Shiner, albedo: DVec3, weight: DVec3) {
+        let prepared = self.prepared;
+        let Shine { emitters, around } = &prepared.shine;
+        let is_there = match kind {
+            Shiner::Emitters => emitters.is_some(),
+            Shiner::Around => around.is_some(),
+        };
+        if !is_there {
+            return;
+        }
+        let points = &prepared.points;
+        let by = points.scramble(self.film.pixel, at.ray.depth, kind.number(prepared.scene) as u32);
+        let mut sum: Option<Lit> = None;
+        for i in 0..points.count() {
+            let of = points.in_cube(by, self.film.sample, i);
+            let arriving = match kind {
+                Shiner::Emitters => emitters.as_ref().and_then(|e| Arriving::from_shapes(e, at, of)),
+                Shiner::Around => around.as_ref().map(|a| Arriving::from_around(a, prepared.scene, at, of)),
+            };
+            let shadows = prepared.scene.settings.shine_shadows;
+            let lit = arriving.and_then(|a| self.lit_by(at, a, shadows, albedo, weight / f64::from(points.count())));
+            if let Some(lit) = lit {
+                sum = Some(sum.map_or(lit, |sum| sum.and(lit)));
+            }
+        }
+        if let Some(lit) = sum {
+            let source = if kind == Shiner::Emitters { Source::Emitters } else { Source::Sky };
+            self.write_down(at, source, &lit);
         }
     }
 
     /// Adds the light of one lamp sample that the surface reflects. Returns `None` if there is none.
     fn lit(&mut self, at: &Arrival, light: &Light, of: [f64; 2], albedo: DVec3, weight: DVec3) -> Option<Lit> {
-        let arriving = Arriving::at(light, at.surface.point, of);
+        self.lit_by(at, Arriving::at(light, at.surface.point, of), light.shadows, albedo, weight)
+    }
+
+    /// Adds the arriving light that the surface reflects. Returns `None` if there is none.
+    fn lit_by(&mut self, at: &Arrival, arriving: Arriving, shadows: bool, albedo: DVec3, weight: DVec3) -> Option<Lit> {
         let cos_theta = arriving.towards.dot(at.shading);
         if cos_theta <= 0.0 || arriving.towards.dot(at.geometric) <= 0.0 {
             return None;
@@ -68,7 +112,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
         if weight * sent == DVec3::ZERO {
             return None;
         }
-        let let_through = if light.shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
+        let let_through = if shadows { self.shadow(at, &arriving) } else { DVec3::ONE };
         let radiance = weight * sent * let_through;
         self.tally.add(radiance);
         self.tally.lit |= radiance != DVec3::ZERO;
@@ -76,14 +120,14 @@ impl<L: Recorder> Tracer<'_, '_, L> {
     }
 
     /// Records a light's contribution, and the object that blocks it.
-    fn write_down(&mut self, at: &Arrival, light: usize, lit: &Lit) {
+    fn write_down(&mut self, at: &Arrival, source: Source, lit: &Lit) {
         let prepared = self.prepared;
         self.note(at.ray.node, |event| {
             let &Lit { arriving: Arriving { towards, distance, .. }, unshadowed, radiance } = lit;
             let shadow = Ray64 { t_max: distance, ..Ray64::new(at.surface.start(towards), towards) };
             let dark = radiance == DVec3::ZERO;
             let blocker = dark.then(|| blocker(prepared, &shadow)).flatten();
-            event.shares.push(Share { source: Source::Light(light as u32), unshadowed, radiance, blocker });
+            event.shares.push(Share { source, unshadowed, radiance, blocker });
         });
     }
 

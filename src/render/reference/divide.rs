@@ -152,11 +152,12 @@ impl<L: Recorder> Tracer<'_, '_, L> {
             self.send_coloured(at, RayKind::Transmitted, at.ray.dir, lobe, beyond, nm);
         } else if total {
             self.cut(at, RayKind::Transmitted, at.ray.weight * lobe.share, false, false);
-        } else if at.surface.interpolated.is_some() {
-            let dir = below_surface(direction, at.geometric.into());
-            self.send_coloured(at, RayKind::Transmitted, dir.into(), lobe, beyond, nm);
         } else {
-            self.send_coloured(at, RayKind::Transmitted, direction.into(), lobe, beyond, nm);
+            let smooth = at.surface.interpolated.is_some();
+            let dir = if smooth { below_surface(direction, at.geometric.into()) } else { direction };
+            if nm.is_some() || !self.looked_up(at, boundary, dir.into(), &lobe) {
+                self.send_coloured(at, RayKind::Transmitted, dir.into(), lobe, beyond, nm);
+            }
         }
     }
 
@@ -168,6 +169,7 @@ impl<L: Recorder> Tracer<'_, '_, L> {
             Reflection::None => self.not_reflected(at, lobe.share),
             Reflection::CubeMap | Reflection::SphereMap => self.reflected_in_map(at, lobe),
             Reflection::Planar => self.reflected_by_matrix(at, lobe),
+            Reflection::Virtual => self.reflected_in_virtual_scene(at, lobe),
         }
     }
 
@@ -200,6 +202,10 @@ impl Prepared<'_> {
                 formula.refract(boundary, at.ray.dir.into(), at.shading.into(), crossing)
             }
         }
-        self.refraction.dispatch(Of(boundary, at, crossing))
+        // Only what lies behind a plane is raised as a whole.
+        let flat = || self.flats.as_ref().is_some_and(|flats| flats.at(at.id.0, at.id.1).is_some());
+        let curved = self.refraction == RefractionModel::Raised && !flat();
+        let model = if curved { RefractionModel::Stable } else { self.refraction };
+        model.dispatch(Of(boundary, at, crossing))
     }
 }

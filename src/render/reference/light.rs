@@ -5,18 +5,20 @@ use glam::{DVec2, DVec3};
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
 use super::super::place::{ContactPoint, Layer, Through, governing};
+use super::super::shine::{Around, Emitters};
 use super::super::unmatched::UnmatchedExits;
 use super::media::{MediumStack, Transition};
 use super::polarisation::Polarisation;
 use super::split::{Lobes, at_boundary, at_pane};
 use super::surface::Surface;
+use super::trace::Arrival;
 use super::{Prepared, colour, surface};
 use crate::accel::reference::Ray64;
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Face;
 use crate::math::Vector3;
 use crate::optics::{Boundary, FresnelModel, transmittance};
-use crate::scene::{Falloff, Interface, Light, LightKind, MOST_PASSES, ShadowRule, Spread};
+use crate::scene::{Falloff, Interface, Light, LightKind, MOST_PASSES, Scene, ShadowRule, Spread};
 
 /// Light that arrives at a point without occlusion.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +65,28 @@ impl Arriving {
         let highlight = light.intensity.as_dvec3() * factor;
         let diffuse = if physical { highlight / std::f64::consts::PI } else { highlight };
         Self { towards, distance, diffuse, highlight }
+    }
+
+    /// Computes the light of all emissive shapes from the sample `of` of the unit cube.
+    pub fn from_shapes(emitters: &Emitters, at: &Arrival, of: [f32; 3]) -> Option<Self> {
+        // The picks depend on a point near the surface, not on the direction in which the ray will leave it.
+        let point = at.surface.start(at.geometric);
+        let glint = emitters.sample::<f64>(point.into(), (point, at.shading), of)?;
+        let light = DVec3::from(glint.light);
+        Some(Self {
+            towards: glint.dir.into(),
+            distance: glint.distance,
+            diffuse: light / std::f64::consts::PI,
+            highlight: light,
+        })
+    }
+
+    /// Computes the light of the environment from the sample `of` of the unit cube. It makes no highlights.
+    pub fn from_around(around: &Around, scene: &Scene, at: &Arrival, of: [f32; 3]) -> Self {
+        let ray = around.sample::<f64>(at.shading.into(), of, DVec3::from);
+        let towards = DVec3::from(ray.dir);
+        let light = colour::of_environment(scene, towards) * ray.solid;
+        Self { towards, distance: f64::INFINITY, diffuse: light / std::f64::consts::PI, highlight: DVec3::ZERO }
     }
 }
 

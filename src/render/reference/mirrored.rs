@@ -1,7 +1,7 @@
 //! Reflection systems for one ray: planar mirrors by matrix, where the camera's ray becomes one of the camera's mirror
 //! image, and environment maps.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::split::Lobe;
 use super::trace::{Arrival, Branch, Tracer};
@@ -45,7 +45,51 @@ impl<L: Recorder> Tracer<'_, '_, L> {
             return;
         }
         let (stack, polarisation) = (at.ray.stack.clone(), lobe.polarisation);
-        self.branches.push(Branch { kind, dir, weight, nm: at.ray.nm, stack, polarisation, start: Some(start) });
+        self.branches.push(Branch {
+            kind,
+            dir,
+            weight,
+            nm: at.ray.nm,
+            stack,
+            polarisation,
+            start: Some(start),
+            shown: None,
+        });
+    }
+
+    /// Sends a ray to what the virtual scene of the reflector shows; as any other where there is none, or where the ray that
+    /// met the reflector is none of the eye.
+    pub(super) fn reflected_in_virtual_scene(&mut self, at: &Arrival, lobe: Lobe) {
+        let (prepared, kind) = (self.prepared, RayKind::Reflected);
+        let front = at.geometric.dot(at.surface.outward) > 0.0;
+        let image = prepared.images.as_ref().filter(|_| at.ray.depth == 0 && at.returning.is_none());
+        let Some((image, accel)) = image.and_then(|images| images.at(at.id.0, front)) else {
+            self.tally.without_image += 1;
+            return self.send(at, kind, at.mirrored(), lobe, at.ray.stack.clone());
+        };
+        let weight = at.ray.weight * lobe.share;
+        if weight == DVec3::ZERO {
+            return;
+        }
+        let eye = prepared.scene.camera.eye.as_dvec3();
+        let line = Ray64 { t_min: (at.surface.point - eye).length(), ..Ray64::new(eye, at.ray.dir) };
+        let hit = accel.closest(&line);
+        if !hit.is_hit() && image.left_out > 0 {
+            self.tally.without_image += 1;
+            return self.send(at, kind, at.mirrored(), lobe, at.ray.stack.clone());
+        }
+        let (dir, shown) = if hit.is_hit() {
+            let shown = image.shown(prepared.scene, hit.geometry, hit.primitive, DVec2::new(hit.u, hit.v));
+            let way = shown.place - at.surface.start(at.geometric);
+            let (object, primitive) = (shown.object, shown.primitive);
+            let real = Hit64 { t: way.length(), u: shown.uv.x, v: shown.uv.y, geometry: object, primitive, ..hit };
+            (way, real)
+        } else {
+            (at.mirrored(), Hit64::MISS)
+        };
+        let (stack, polarisation) = (at.ray.stack.clone(), lobe.polarisation);
+        let nm = at.ray.nm;
+        self.branches.push(Branch { kind, dir, weight, nm, stack, polarisation, start: None, shown: Some(shown) });
     }
 
     /// Looks the reflection up in the map of the reflector. Traces it if there is no map, or inside a body.

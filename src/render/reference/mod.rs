@@ -5,6 +5,7 @@
 //! [`crate::optics`] (here in `f64`) and the scene. It makes reference pictures and evaluates single pixels.
 //! [`Prepared::radiance_at`] and [`Prepared::radiance_along`] accept any point of the film and any ray.
 
+mod bodies;
 mod branch;
 mod camera;
 mod colour;
@@ -12,6 +13,7 @@ mod condition;
 mod direct;
 mod disperse;
 mod divide;
+mod images;
 mod light;
 mod media;
 mod mirrored;
@@ -31,6 +33,7 @@ use super::maps::{Taken, Taker};
 use super::pattern::LampPoints;
 use super::planar::{self, PlanarCounts};
 use super::record::{Off, Recorder, Tree};
+use super::shine::Shine;
 use super::{FilmRay, Limit, Observer, Options, Outcome, Reflection, Seen, StreamCounts, TouchingFound};
 use crate::accel::BuildStats;
 use crate::accel::reference::{Hit64, Ray64, Reference};
@@ -43,6 +46,8 @@ use crate::system::threads;
 use crate::systems::maps::Proxy;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
+use bodies::Bodies64;
+use images::Virtual64;
 use media::{Filled, MediumStack};
 pub use tally::Tally;
 use trace::Tracer;
@@ -65,6 +70,12 @@ pub struct Prepared<'a> {
     mirror_levels: u32,
     /// Maps that reflectors show, if any were taken, and the stand-in for their surroundings.
     maps: Option<Taken>,
+    /// Virtual scenes of reflectors, if any were made.
+    images: Option<Virtual64>,
+    /// Maps of bodies that refracted light is looked up in, if any were taken.
+    refracting: Option<Bodies64>,
+    /// Planes that raise what lies behind them, if any are asked for.
+    flats: Option<Mirrors>,
     proxy: Proxy,
     /// Object that camera rays pass.
     past: Option<u32>,
@@ -78,6 +89,8 @@ pub struct Prepared<'a> {
     stack: MediumStack,
     /// Sample points on area lamps.
     points: LampPoints,
+    /// Sources beside lamps that light surfaces.
+    shine: Shine,
     /// Wavelengths of a pixel's samples.
     spectrum: Spectrum,
 }
@@ -117,6 +130,9 @@ impl<'a> Prepared<'a> {
             mirrors,
             mirror_levels,
             maps: None,
+            images: None,
+            refracting: None,
+            flats: (refraction == RefractionModel::Raised).then(|| Mirrors::of(scene)),
             proxy: options.proxy,
             past: options.past,
             total_is_lost,
@@ -124,8 +140,27 @@ impl<'a> Prepared<'a> {
             max_depth: settings.max_depth,
             stack,
             points,
+            shine: Shine::of(scene),
             spectrum,
         }
+    }
+
+    /// Prepares as [`Prepared::with`] does, and makes the maps and virtual scenes that the options ask for.
+    ///
+    /// # Errors
+    /// - [`Error::Usage`] if no reflector or body of the scene can have any.
+    /// - Errors of the renderer that captures maps.
+    pub fn complete(scene: &'a Scene, options: &Options, observer: &Observer) -> Result<Self> {
+        let mut prepared = Self::with(scene, options);
+        let taker = ByReference { accel: &prepared.accel, observer };
+        let maps = Taken::of(scene, options, &taker)?;
+        let bodies = Taken::of_bodies(scene, options, &taker)?;
+        let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
+        let images =
+            (options.reflection == Reflection::Virtual && !carries).then(|| Virtual64::of(scene)).transpose()?;
+        let refracting = bodies.map(|taken| Bodies64::new(scene, options.bending(), taken));
+        (prepared.maps, prepared.images, prepared.refracting) = (maps, images, refracting);
+        Ok(prepared)
     }
 
     /// Replaces the scene's depth limit.
@@ -291,9 +326,7 @@ pub fn render(scene: &Scene, options: &Options, observer: &Observer) -> Result<O
     super::memory::need(&scene.settings)?;
     let scene = &*effects::without(scene, options.effects.without);
     Reference::need(&scene.geometry)?;
-    let mut prepared = Prepared::with(scene, options);
-    prepared.maps = Taken::of(scene, options, &ByReference { accel: &prepared.accel, observer })?;
-    picture(&prepared, options, observer)
+    picture(&Prepared::complete(scene, options, observer)?, options, observer)
 }
 
 /// Renders a prepared scene as [`render`] does, with the formulas it was prepared with.
@@ -306,6 +339,7 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
     }
     let mirrors = prepared.mirrors.as_ref();
     planar::possible(prepared.scene, mirrors)?;
+    planar::raisable(prepared.scene, prepared.flats.as_ref())?;
     let pool = threads::pool(options.thread_count())?;
     let settings = &prepared.scene.settings;
     let (width, height) = (settings.width, settings.height);
@@ -339,6 +373,8 @@ pub fn picture(prepared: &Prepared, options: &Options, observer: &Observer) -> R
             missed: counts.missed,
             lit: counts.lit,
         },
+        body_maps: prepared.refracting.as_ref().map(|bodies| bodies.report(counts.without_body_map)),
+        images: prepared.images.as_ref().map(|images| images.report(counts.without_image)),
         maps: prepared.maps.as_ref().map(|taken| taken.report(counts.without_map)),
         planar: mirrors.map(|mirrors| PlanarCounts::default().of_mirrors(mirrors)),
     })

@@ -6,6 +6,7 @@ use crate::accel::reference::{Hit64, Ray64, Reference};
 use crate::geometry::Shape;
 use crate::geometry::contact::Face;
 use crate::geometry::sphere::normal;
+use crate::render::relief::embossed;
 use crate::scene::Scene;
 
 /// Bound on the error of a surface point, in units of `f64::EPSILON` and of the largest coordinate involved. It covers
@@ -48,6 +49,9 @@ impl Surface {
                     let [a, b, c] = n.map(|n| n.as_dvec3());
                     (a * w + b * u + c * v).try_normalize()
                 });
+                let plain = interpolated.or(outward);
+                let interpolated =
+                    plain.and_then(|n| embossed(scene, hit.geometry, hit.primitive, [u, v], n)).or(interpolated);
                 let uv = mesh.corner_uvs(i).map_or(DVec2::ZERO, |uv| {
                     let [a, b, c] = uv.map(|uv| uv.as_dvec2());
                     a * w + b * u + c * v

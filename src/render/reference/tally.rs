@@ -32,6 +32,10 @@ pub struct Tally {
     pub missed: u64,
     /// Reflections that were traced for want of a map.
     pub without_map: u64,
+    /// Reflections that were traced for want of a virtual scene.
+    pub without_image: u64,
+    /// Refracted rays that were traced for want of a map.
+    pub without_body_map: u64,
     /// True if any surface reflected light of a lamp.
     pub lit: bool,
 }
@@ -72,6 +76,8 @@ impl Tally {
         self.unmatched_exits.merge(&o.unmatched_exits);
         self.met.extend(&o.met);
         self.without_map += o.without_map;
+        self.without_image += o.without_image;
+        self.without_body_map += o.without_body_map;
         self.missed += o.missed;
         self.lit |= o.lit;
     }

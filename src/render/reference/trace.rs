@@ -39,6 +39,8 @@ pub(super) struct Pending {
     pub budget: DVec3,
     /// Mirror image of the camera that sent the ray, if cameras are mirrored and it is a camera ray.
     pub image: Option<Image>,
+    /// Hit that the ray ends at, if it is not to be looked for.
+    pub shown: Option<Hit64>,
     /// Index in the record, if one is kept.
     pub node: Node,
 }
@@ -80,6 +82,8 @@ pub(super) struct Branch {
     pub polarisation: Option<Polarisation>,
     /// Start of the ray, if it is not on the surface.
     pub start: Option<Start>,
+    /// Hit that it ends at, if it is not to be looked for.
+    pub shown: Option<Hit64>,
 }
 
 /// Depth-first tracer of one camera ray. Secondary rays wait on a list rather than on the call stack, which deep scenes
@@ -122,6 +126,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
             polarisation: (prepared.fresnel == FresnelModel::Polarised).then(|| Polarisation::none(dir)),
             budget: DVec3::splat(budget::WHOLE),
             image: prepared.mirrors.is_some().then(Image::default),
+            shown: None,
             node: 0,
         };
         camera_ray.node = record.note(|tree| tree.sent(camera_ray.event(prepared.filled(), None)));
@@ -144,7 +149,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         let hit = match ray.through {
             // The ray is still at the last layer it left.
             Some(_) => Hit64 { t: 0.0, ..Hit64::MISS },
-            None => self.prepared.nearest(&line, ray.kind),
+            None => ray.shown.unwrap_or_else(|| self.prepared.nearest(&line, ray.kind)),
         };
         let absorption = scene.media[ray.stack.top(filled) as usize].absorption.as_dvec3();
         ray.weight *= DVec3::from(transmittance(absorption.into(), hit.t - clip));
@@ -237,7 +242,7 @@ impl<'a, 'r, L: Recorder> Tracer<'a, 'r, L> {
         }
         let origin = surface.start(ray.dir);
         let passed = ray.passed + 1;
-        self.queue(ray.node, Pending { origin, stack, kind, passed, through, image: None, ..ray.clone() });
+        self.queue(ray.node, Pending { origin, stack, kind, passed, through, image: None, shown: None, ..ray.clone() });
     }
 
     /// Queues a ray that the ray `parent` sent.

@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use super::super::bodies::{Entering, LookedUp};
 use super::super::limit::Limit;
 use super::super::media::{FanId, StackId, Transition};
 use super::super::outcome::RayKind;
@@ -14,7 +15,8 @@ use super::{SplitStage, gather_boundaries, lane_bits, reflected};
 use crate::choice::Choice as _;
 use crate::math::Real;
 use crate::optics::{
-    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, below_surface, reflect,
+    Boundary, Crossing, Refracted, RefractionFormula, RefractionModel, RefractionVisitor, Stable, below_surface,
+    reflect,
 };
 use crate::scene::{FresnelRule, Interface, MOST_PASSES, Rgb};
 use crate::simd::{F32x8, Mask8, Vec3x8, set_lanes};
@@ -103,7 +105,14 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     depth: usize,
 ) {
     let Refraction { boundary, at, weight, beyond } = light;
-    let Refracted { direction, total } = formula.refract(boundary, surface.incident, surface.shading, at);
+    let Refracted { mut direction, mut total } = formula.refract(boundary, surface.incident, surface.shading, at);
+    if R::FLAT_ONLY {
+        // Only what lies behind a plane is raised as a whole.
+        let flat = Mask8::from_bits(shading.flat(surface, lanes));
+        let bent = Stable.refract(boundary, surface.incident, surface.shading, at);
+        direction = Vec3x8::select(flat, direction, bent.direction);
+        total |= bent.total & !flat;
+    }
     let dir = direction.normalized();
     let dir = Vec3x8::select(surface.interpolated, below_surface(dir, surface.normal), dir);
     // Light that is not bent keeps its direction to the bit.
@@ -112,9 +121,23 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     // A formula may fail to give a direction where one exists; the ray's weight is then truncated.
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
+    let lanes = if R::MAPPED > 0 { in_maps(shading, surface, lanes & !lost, &dir, light) } else { lanes };
     let extra = O::leaving(carried, dir);
     let new = Spawn8 { stack: beyond, extra: extra.as_ref(), ..surface.transmitted(dir, *weight) };
     shading.spawn(lanes & !lost, &new, RayKind::Transmitted, depth);
+}
+
+/// Looks light up that enters bodies with a map. Returns the other lanes.
+#[inline(never)]
+fn in_maps(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: &Vec3x8, light: &Refraction) -> u8 {
+    let Some(bodies) = shading.bodies else { return lanes };
+    let Refraction { boundary, weight, .. } = light;
+    let entering = Entering { surface, lanes, dir: *dir, weight, eta: boundary.eta };
+    let LookedUp { radiance, ended, left } = bodies.look_up(shading.scene, shading.proxy, &entering);
+    shading.accumulator.add_radiance8(lanes & !left, &surface.pixel, &radiance);
+    shading.accumulator.add_ended8(Limit::Asked, lanes & !left, &surface.pixel, &ended);
+    shading.without_body_map += u64::from(left.count_ones());
+    left
 }
 
 /// Gathers the tints of the dielectric surfaces.

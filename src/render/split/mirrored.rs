@@ -27,6 +27,7 @@ pub fn pick(reflection: Reflection, scene: &Scene) -> ReflectStage {
         (Reflection::None, _) => none,
         (Reflection::CubeMap | Reflection::SphereMap, _) => in_map,
         (Reflection::Planar, _) => mirrored_camera,
+        (Reflection::Virtual, _) => in_virtual_scene,
     }
 }
 
@@ -52,6 +53,27 @@ fn mirrored_camera(
     }
     if lanes != masked {
         traced(shading, surface, lanes & !masked, dir, weight, extra, depth);
+    }
+}
+
+/// Sends the ray of the eye on into the virtual scene of the reflector. Queues a ray if there is none, or if no ray of the
+/// eye met the reflector.
+fn in_virtual_scene(
+    shading: &mut Shading,
+    surface: &Surface8,
+    lanes: u8,
+    dir: Vec3x8,
+    weight: Rgb8,
+    extra: Option<&Extra8>,
+    depth: usize,
+) {
+    let shown = shading.virtual_rays.shown(surface, lanes, depth);
+    if shown != 0 {
+        let kept = shading.lasting(shown, &weight, &surface.pixel, depth);
+        shading.virtual_rays.wait(shading.scene.camera.eye, surface, kept, dir, &weight);
+    }
+    if lanes != shown {
+        traced(shading, surface, lanes & !shown, dir, weight, extra, depth);
     }
 }
 

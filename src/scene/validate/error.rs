@@ -48,7 +48,7 @@ impl Part {
 
 /// An entry of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct SceneEntry {
     /// The list, or the single part.
     pub part: Part,
     /// Index in the list. 0 for a single part.
@@ -57,7 +57,7 @@ pub struct Place {
     pub name: String,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SceneEntry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.part.name())?;
         if !self.part.is_single() {
@@ -88,7 +88,7 @@ pub enum SceneError {
     )]
     Index {
         /// The entry that holds the index.
-        place: Place,
+        place: SceneEntry,
         /// The field that holds it.
         field: &'static str,
         /// The index.
@@ -100,7 +100,7 @@ pub enum SceneError {
     #[error("{place}: {field} has {len} entries; it must have {wanted}")]
     Length {
         /// The entry that holds the list.
-        place: Place,
+        place: SceneEntry,
         /// The list.
         field: &'static str,
         /// Its length.
@@ -112,13 +112,13 @@ pub enum SceneError {
     #[error("{place}: the shape's mask does not fit its material; set it to `Material::mask()`")]
     Mask {
         /// The object.
-        place: Place,
+        place: SceneEntry,
     },
     /// A value out of its range.
     #[error("{place}: {field} is {value}; it must be {must}")]
     Value {
         /// The entry that holds the value.
-        place: Place,
+        place: SceneEntry,
         /// The field.
         field: &'static str,
         /// The value.

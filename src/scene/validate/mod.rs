@@ -3,7 +3,7 @@
 mod error;
 mod shape;
 
-pub use error::{Part, Place, SceneError};
+pub use error::{Part, SceneEntry, SceneError};
 
 use std::fmt::Display;
 
@@ -90,6 +90,30 @@ impl Scene {
                 check.that(*size > 0.0 && size.is_finite(), "the size of diffuse", size, "finite and above 0");
                 check.place("the offset of diffuse", *offset);
             }
+        }
+        match &material.glow {
+            None => {}
+            Some(Colour::Constant(colour)) => check.light("glow", *colour),
+            Some(Colour::Image { texture, scale }) => {
+                check.index("the texture of glow", *texture, self.textures.len());
+                check.light("the scale of glow", *scale);
+            }
+            Some(Colour::Corners { texture, scale }) => {
+                if let Some(texture) = texture {
+                    check.index("the texture of glow", *texture, self.textures.len());
+                }
+                check.light("the scale of glow", *scale);
+            }
+            Some(Colour::Checker { even, odd, size, offset }) => {
+                check.light("the even colour of glow", *even);
+                check.light("the odd colour of glow", *odd);
+                check.that(*size > 0.0 && size.is_finite(), "the size of glow", size, "finite and above 0");
+                check.place("the offset of glow", *offset);
+            }
+        }
+        if let Some(relief) = material.relief {
+            check.index("the texture of relief", relief.texture, self.textures.len());
+            check.that(relief.strength.is_finite(), "the strength of relief", relief.strength, "finite");
         }
         if let Some(highlight) = &material.highlight {
             check.light("the colour of the highlight", highlight.colour);
@@ -259,8 +283,8 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn fails(&mut self, error: impl FnOnce(Place) -> SceneError) {
-        let place = Place { part: self.part, index: self.index, name: self.name.to_owned() };
+    fn fails(&mut self, error: impl FnOnce(SceneEntry) -> SceneError) {
+        let place = SceneEntry { part: self.part, index: self.index, name: self.name.to_owned() };
         self.errors.0.push(error(place));
     }
 

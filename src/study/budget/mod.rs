@@ -16,10 +16,10 @@ use super::axis::{Axis, Level, Precision};
 use super::plan;
 use super::reference;
 use super::variant::Variant;
-use crate::optics::FresnelModel;
+use crate::error::{Result, Unsupported};
+use crate::optics::{FresnelModel, RefractionModel};
 use crate::render::{Observer, Reflection};
 use crate::scene::Scene;
-use crate::{Error, Result};
 use quick::{Judged, Quick};
 
 /// Share of the allowed error that the small picture may use, since it has fewer pixels that could be wrong.
@@ -123,7 +123,7 @@ struct Predicted {
 /// # Errors
 /// - `Error::Interrupted` if the observer requests a stop.
 /// - `Error::Limit` if the default back end is not available.
-/// - `Error::Usage` if `f32` cannot represent the bound.
+/// - `Error::Unsupported` if `f32` cannot represent the bound.
 pub fn choose(
     scene: &Scene,
     default: &Variant,
@@ -161,8 +161,9 @@ pub fn choose(
     for variant in singles.into_iter().flat_map(|(_, variants)| variants) {
         // Dispersive scenes carry no polarisation, and a proof costs more than the base's own cut-off.
         let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
-        // Maps of each reflector take longer to capture than the picture takes to trace.
-        let mapped = matches!(variant.reflection, Reflection::CubeMap | Reflection::SphereMap);
+        // Maps and virtual scenes take longer to make than a small picture takes to trace.
+        let mapped = matches!(variant.reflection, Reflection::CubeMap | Reflection::SphereMap | Reflection::Virtual)
+            || matches!(variant.refraction, RefractionModel::MapOne | RefractionModel::MapTwo);
         if polarised || mapped || (variant.proven.is_some() && base.proven.is_none()) {
             continue;
         }
@@ -221,17 +222,13 @@ pub fn choose(
 }
 
 /// # Errors
-/// Returns `Error::Usage` if rounding the picture's brightest value exceeds the bound.
+/// Returns `Error::Unsupported` if rounding the picture's brightest value exceeds the bound.
 fn refuse_what_f32_cannot_hold(bound: f64, brightest: f64) -> Result<()> {
     let rounding = brightest * f64::from(f32::EPSILON) / 2.0;
     if bound >= rounding {
         return Ok(());
     }
-    Err(Error::Usage(format!(
-        "--max-error {bound:e}: cannot be kept: pictures hold f32 values, which rounds the brightest of this scene \
-         ({brightest:.3}) by up to {rounding:.1e}; take a bound of at least {:.0e}",
-        2.0 * rounding
-    )))
+    Err(Unsupported::BoundBelowRounding { bound, brightest, rounding }.into())
 }
 
 /// Renders the most promising combinations beside those in `tried`, whose first entry is the base. `slower` is the

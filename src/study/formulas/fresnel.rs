@@ -2,7 +2,7 @@
 
 use super::evaluate::{Answer, Case, Formula};
 use super::ranges::{Angles, Range, ULP};
-use super::{Errors, Kind, Noted, Plan, Tally};
+use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::math::{FUSED, LaneMask, Real, Vector3, ulp};
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, FresnelFormula, FresnelModel, FresnelVisitor, oracle, polarised, polarised_as_printed};
@@ -149,24 +149,29 @@ fn noted(column: Column, range: usize, errors: &Errors) -> Option<Noted> {
     Some(Noted { why, ..noted })
 }
 
-pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
     let candidates = candidates();
-    let ranges: Vec<Vec<Tally>> =
+    let ranges: Vec<Vec<ErrorSums>> =
         RANGES.iter().enumerate().map(|(i, range)| tally(plan, &candidates, range, i)).collect();
     let rows = candidates.into_iter().enumerate().map(|(f, Candidate { name, formula, column, .. })| {
-        let errors = |(r, tallies): (usize, &Vec<Tally>)| {
+        let errors = |(r, tallies): (usize, &Vec<ErrorSums>)| {
             let errors = tallies[f].errors(RANGES[r].name);
             Errors { noted: column.and_then(|column| noted(column, r, &errors)), ..errors }
         };
         let time = plan.time.then(|| formula.time());
-        super::Formula { kind: Kind::Fresnel, name, time, ranges: ranges.iter().enumerate().map(errors).collect() }
+        super::Formula {
+            kind: FormulaKind::Fresnel,
+            name,
+            time,
+            ranges: ranges.iter().enumerate().map(errors).collect(),
+        }
     });
     rows.collect()
 }
 
-fn tally(plan: &Plan, candidates: &[Candidate], range: &Range, number: usize) -> Vec<Tally> {
+fn tally(plan: &FormulaPlan, candidates: &[Candidate], range: &Range, number: usize) -> Vec<ErrorSums> {
     let mut rng = Rng::new("formulas: fresnel", number);
-    let mut tallies = vec![Tally::default(); candidates.len()];
+    let mut tallies = vec![ErrorSums::default(); candidates.len()];
     let boundary8 = Boundary::<F32x8>::new(range.n1, range.n2);
     let boundary = Boundary::<f64>::new(range.n1, range.n2);
     let zero8 = Vec3x8::splat(glam::Vec3::ZERO);

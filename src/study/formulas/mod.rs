@@ -22,7 +22,7 @@ use crate::Error;
 
 crate::choice! {
     /// Groups of formulas.
-    pub enum Kind("of", derive(Eq)) {
+    pub enum FormulaKind("of", derive(Eq)) {
         /// Refracted directions; errors are angles in radians.
         "refraction" => Refraction,
         /// Reflectances; errors are differences of the reflectance.
@@ -36,13 +36,13 @@ crate::choice! {
     }
 }
 
-impl serde::Serialize for Kind {
+impl serde::Serialize for FormulaKind {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
     }
 }
 
-impl Kind {
+impl FormulaKind {
     /// Unit of the group's errors.
     #[must_use]
     pub fn unit(self) -> &'static str {
@@ -56,20 +56,20 @@ impl Kind {
 
 /// Formulas to measure, and the effort.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct FormulaPlan {
     /// Number of rays drawn from each range, at least 8.
     pub count: usize,
     /// True if formulas are timed as well.
     pub time: bool,
     /// Groups to measure.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<FormulaKind>,
 }
 
 /// Time and errors of a formula.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Formula {
     /// Group of the formula.
-    pub kind: Kind,
+    pub kind: FormulaKind,
     /// Name, as in the option of the renderer that chooses it.
     pub name: String,
     /// Nanoseconds, if it was timed.
@@ -134,15 +134,15 @@ impl Noted {
 ///
 /// # Errors
 /// `Interrupted` if `done` returns false.
-pub fn measure(plan: &Plan, mut done: impl FnMut() -> bool) -> crate::Result<Vec<Formula>> {
+pub fn measure(plan: &FormulaPlan, mut done: impl FnMut() -> bool) -> crate::Result<Vec<Formula>> {
     let mut formulas = Vec::new();
     for kind in &plan.kinds {
         formulas.extend(match kind {
-            Kind::Refraction => refraction::measure(plan),
-            Kind::Fresnel => fresnel::measure(plan),
-            Kind::Reflection => reflection::measure(plan),
-            Kind::Reciprocal => reciprocal::measure(plan),
-            Kind::Triangle => triangle::measure(plan),
+            FormulaKind::Refraction => refraction::measure(plan),
+            FormulaKind::Fresnel => fresnel::measure(plan),
+            FormulaKind::Reflection => reflection::measure(plan),
+            FormulaKind::Reciprocal => reciprocal::measure(plan),
+            FormulaKind::Triangle => triangle::measure(plan),
         });
         if !done() {
             return Err(Error::Interrupted);
@@ -153,7 +153,7 @@ pub fn measure(plan: &Plan, mut done: impl FnMut() -> bool) -> crate::Result<Vec
 
 /// Errors accumulated over a range.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+struct ErrorSums {
     compared: u64,
     worst: Off,
     sum: Off,
@@ -163,7 +163,7 @@ struct Tally {
     asked: u64,
 }
 
-impl Tally {
+impl ErrorSums {
     fn add(&mut self, ulp: f64, absolute: f64, relative: Option<f64>) {
         self.compared += 1;
         let both = |a: Option<f64>, b: Option<f64>, f: fn(f64, f64) -> f64| match (a, b) {

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use super::timing::{Time, time};
-use super::{Errors, Kind, Noted, Plan, Tally};
+use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::math::{Real, ulp};
 use crate::measure::sample::Rng;
 use crate::simd::{Estimate, F32x8, Reciprocal, ReciprocalModel, ReciprocalVisitor};
@@ -14,13 +14,13 @@ const RANGES: [(&str, f64, f64); 2] = [("1 to 2", 0.0, 1.0), ("2^-100 to 2^100",
 /// Published largest relative error of the estimate, for the CPUs of one maker.
 const NOTED_ESTIMATE: f64 = 3.0e-4;
 
-pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
     ReciprocalModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
 /// Visitor that measures a formula.
 struct Measured<'a> {
-    plan: &'a Plan,
+    plan: &'a FormulaPlan,
     model: ReciprocalModel,
 }
 
@@ -41,13 +41,13 @@ impl ReciprocalVisitor for Measured<'_> {
         });
         let ranges = errors.collect();
         let time = self.plan.time.then(timed::<F>);
-        super::Formula { kind: Kind::Reciprocal, name: self.model.to_string(), time, ranges }
+        super::Formula { kind: FormulaKind::Reciprocal, name: self.model.to_string(), time, ranges }
     }
 }
 
-fn tally<F: Reciprocal>(plan: &Plan, number: usize, low: f64, high: f64) -> Tally {
+fn tally<F: Reciprocal>(plan: &FormulaPlan, number: usize, low: f64, high: f64) -> ErrorSums {
     let mut rng = Rng::new("formulas: reciprocal", number);
-    let mut tally = Tally::default();
+    let mut tally = ErrorSums::default();
     for _ in 0..plan.count.div_ceil(8) {
         let x = F32x8::from_fn(|_| rng.between(low, high).exp2() as f32);
         let got = F::of(x);

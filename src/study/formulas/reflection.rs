@@ -2,7 +2,7 @@
 
 use super::evaluate::{Answer, Case, Formula};
 use super::ranges::{Angles, Range, ULP};
-use super::{Errors, Kind, Noted, Plan, Tally};
+use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::math::{LaneMask, Real, Vector3};
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, PlanarReflection, oracle, reflect};
@@ -36,7 +36,7 @@ const RANGES: [Range; 3] = [
     Range::new("grazing", 1.0, 1.5, Angles::Grazing),
 ];
 
-pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
     let formulas: [(&str, Box<dyn Formula>); 2] = [("vector", Box::new(Vector)), ("matrix", Box::new(Matrix))];
     let rows = formulas.iter().enumerate().map(|(f, (name, formula))| {
         let errors = RANGES.iter().enumerate().map(|(r, range)| {
@@ -50,14 +50,14 @@ pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
             Errors { noted, ..errors }
         });
         let time = plan.time.then(|| formula.time());
-        super::Formula { kind: Kind::Reflection, name: String::from(*name), time, ranges: errors.collect() }
+        super::Formula { kind: FormulaKind::Reflection, name: String::from(*name), time, ranges: errors.collect() }
     });
     rows.collect()
 }
 
-fn tally(plan: &Plan, formula: &dyn Formula, range: &Range, number: usize) -> Tally {
+fn tally(plan: &FormulaPlan, formula: &dyn Formula, range: &Range, number: usize) -> ErrorSums {
     let mut rng = Rng::new("formulas: reflection", number);
-    let mut tally = Tally::default();
+    let mut tally = ErrorSums::default();
     for _ in 0..plan.count.div_ceil(8) {
         let drawn: [_; 8] = std::array::from_fn(|_| {
             let angle = range.angle(&mut rng);

@@ -2,7 +2,7 @@
 
 use super::evaluate::{Answer, Case, Formula, lane};
 use super::ranges::{Angles, Range, ULP};
-use super::{Errors, Kind, Noted, Plan, Tally};
+use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::choice::Choice as _;
 use crate::math::{Real, Vector3};
 use crate::measure::sample::Rng;
@@ -144,13 +144,13 @@ impl RefractionVisitor for Boxed {
     }
 }
 
-pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
     let models = models();
     let formulas: Vec<Box<dyn Formula>> = models.iter().map(|model| model.dispatch(Boxed)).collect();
-    let ranges: Vec<Vec<Tally>> =
+    let ranges: Vec<Vec<ErrorSums>> =
         RANGES.iter().enumerate().map(|(i, range)| tally(plan, &formulas, range, i)).collect();
     let rows = models.iter().zip(&formulas).enumerate().map(|(f, (&model, formula))| {
-        let errors = |(r, tallies): (usize, &Vec<Tally>)| {
+        let errors = |(r, tallies): (usize, &Vec<ErrorSums>)| {
             let errors = tallies[f].errors(RANGES[r].name);
             let ours = errors.worst.absolute;
             let noted = noted(model, r).map(|value| {
@@ -160,7 +160,7 @@ pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
             Errors { noted, ..errors }
         };
         super::Formula {
-            kind: Kind::Refraction,
+            kind: FormulaKind::Refraction,
             name: model.to_string(),
             time: plan.time.then(|| formula.time()),
             ranges: ranges.iter().enumerate().map(errors).collect(),
@@ -169,9 +169,9 @@ pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
     rows.collect()
 }
 
-fn tally(plan: &Plan, formulas: &[Box<dyn Formula>], range: &Range, number: usize) -> Vec<Tally> {
+fn tally(plan: &FormulaPlan, formulas: &[Box<dyn Formula>], range: &Range, number: usize) -> Vec<ErrorSums> {
     let mut rng = Rng::new("formulas: refraction", number);
-    let mut tallies = vec![Tally::default(); formulas.len()];
+    let mut tallies = vec![ErrorSums::default(); formulas.len()];
     let boundary8 = Boundary::<F32x8>::new(range.n1, range.n2);
     let boundary = Boundary::<f64>::new(range.n1, range.n2);
     for _ in 0..plan.count.div_ceil(8) {

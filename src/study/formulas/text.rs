@@ -1,6 +1,6 @@
 //! The figures for a terminal of 80 columns.
 
-use super::{Errors, Formula, Kind};
+use super::{Errors, Formula, FormulaKind};
 
 /// Largest number of formulas side by side in a table.
 const ACROSS: usize = 5;
@@ -10,14 +10,14 @@ const ACROSS: usize = 5;
 #[must_use]
 pub fn text(formulas: &[Formula]) -> String {
     let mut parts = Vec::new();
-    for kind in Kind::ALL {
+    for kind in FormulaKind::ALL {
         let of_kind: Vec<&Formula> = formulas.iter().filter(|f| f.kind == kind).collect();
         if of_kind.is_empty() {
             continue;
         }
         parts.push(costs(kind, &of_kind));
         parts.extend(of_kind.chunks(ACROSS).map(|some| by_range(kind, some)));
-        if kind == Kind::Triangle {
+        if kind == FormulaKind::Triangle {
             parts.extend(of_kind.chunks(ACROSS).map(leaks));
         }
         let differing: Vec<String> =
@@ -32,14 +32,14 @@ pub fn text(formulas: &[Formula]) -> String {
     parts.join("\n\n")
 }
 
-fn costs(kind: Kind, formulas: &[&Formula]) -> String {
+fn costs(kind: FormulaKind, formulas: &[&Formula]) -> String {
     let first = formulas[0].ranges[0].range;
     let title = match kind {
-        Kind::Refraction => "Refracted direction",
-        Kind::Fresnel => "Reflectance",
-        Kind::Reflection => "Mirrored direction",
-        Kind::Reciprocal => "Reciprocal",
-        Kind::Triangle => "Ray/triangle test (error of t)",
+        FormulaKind::Refraction => "Refracted direction",
+        FormulaKind::Fresnel => "Reflectance",
+        FormulaKind::Reflection => "Mirrored direction",
+        FormulaKind::Reciprocal => "Reciprocal",
+        FormulaKind::Triangle => "Ray/triangle test (error of t)",
     };
     let mut lines = vec![
         format!("{title}\n  nanoseconds; errors over `{first}` [{}]", kind.unit()),
@@ -68,7 +68,7 @@ fn costs(kind: Kind, formulas: &[&Formula]) -> String {
 }
 
 /// Returns the largest errors of several formulas in each range.
-fn by_range(kind: Kind, formulas: &[&Formula]) -> String {
+fn by_range(kind: FormulaKind, formulas: &[&Formula]) -> String {
     table(&format!("Largest error [{}]", kind.unit()), formulas, |e| small(e.worst.absolute))
 }
 

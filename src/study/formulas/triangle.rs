@@ -5,7 +5,7 @@ use std::hint::black_box;
 use glam::{DVec3, Vec3};
 
 use super::timing::{Time, time};
-use super::{Errors, Kind, Noted, Plan, Tally};
+use super::{ErrorSums, Errors, FormulaKind, FormulaPlan, Noted};
 use crate::geometry::TriMesh;
 use crate::geometry::triangle_test::{Lanes, TriangleModel, TriangleTest, TriangleVisitor, Watertight};
 use crate::math::{Vector3, ulp};
@@ -45,13 +45,13 @@ const RANGES: [Range; 9] = [
     Range { name: "far ball, edges", bumps: false, centre: FAR, target: Target::Edges, noted: [0.056_17, 0.0] },
 ];
 
-pub(super) fn measure(plan: &Plan) -> Vec<super::Formula> {
+pub(super) fn measure(plan: &FormulaPlan) -> Vec<super::Formula> {
     TriangleModel::ALL.map(|model| model.dispatch(Measured { plan, model })).into()
 }
 
 /// Visitor that measures a test.
 struct Measured<'a> {
-    plan: &'a Plan,
+    plan: &'a FormulaPlan,
     model: TriangleModel,
 }
 
@@ -69,7 +69,7 @@ impl TriangleVisitor for Measured<'_> {
         });
         let ranges = errors.collect();
         let time = self.plan.time.then(timed::<T>);
-        super::Formula { kind: Kind::Triangle, name: self.model.to_string(), time, ranges }
+        super::Formula { kind: FormulaKind::Triangle, name: self.model.to_string(), time, ranges }
     }
 }
 
@@ -150,11 +150,11 @@ fn ball(bumps: bool, centre: Vec3) -> TriMesh {
     TriMesh { positions, triangles, ..TriMesh::default() }
 }
 
-fn tally<T: TriangleTest>(plan: &Plan, number: usize, range: &Range) -> Tally {
+fn tally<T: TriangleTest>(plan: &FormulaPlan, number: usize, range: &Range) -> ErrorSums {
     let mut rng = Rng::new("formulas: triangles", number);
     let mesh = ball(range.bumps, range.centre);
     let packed = Packed::new(&mesh);
-    let mut tally = Tally::default();
+    let mut tally = ErrorSums::default();
     for _ in 0..plan.count {
         // Origins anywhere well inside.
         let origin = (range.centre.as_dvec3() + rng.direction() * rng.between(0.0, 0.5)).as_vec3();
@@ -170,7 +170,7 @@ fn tally<T: TriangleTest>(plan: &Plan, number: usize, range: &Range) -> Tally {
 }
 
 /// Traces one ray against all triangles.
-fn shoot<T: TriangleTest>(packed: &Packed, mesh: &TriMesh, origin: Vec3, dir: Vec3, tally: &mut Tally) {
+fn shoot<T: TriangleTest>(packed: &Packed, mesh: &TriMesh, origin: Vec3, dir: Vec3, tally: &mut ErrorSums) {
     let ray = T::prepare::<F32x8>(Vec3x8::splat(origin), Vec3x8::splat(dir));
     let exact = Watertight::prepare::<f64>(origin.as_dvec3().into(), dir.as_dvec3().into());
     let (mut met, mut settled) = (false, false);

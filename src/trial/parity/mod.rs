@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 pub use aimed::{Targets, ends};
 pub use sets::{Set, sets};
-pub use tally::{CAUSES, FAULTS, Finding, Tally, cause_name, fault_name};
+pub use tally::{CAUSES, FAULTS, Judgement, VerdictCounts, cause_name, fault_name};
 
 use crate::accel::reference::{Examined, Fault, Hit64, Reference, Verdict};
 use crate::accel::{Coherence, Intersector};
@@ -73,7 +73,7 @@ pub fn ask<I: Intersector>(of: &I, rays: &[Ray], coherence: Coherence) -> Answer
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Numbers of answers by verdict.
-    pub tally: Tally,
+    pub tally: VerdictCounts,
     /// Number of rays whose answer (the primitive, or occlusion) differs from the first contender's.
     pub differs: u64,
     /// Number of these where neither answer is wrong.
@@ -112,7 +112,7 @@ impl Records {
 }
 
 impl Record {
-    fn add(&mut self, finding: Finding, first: Finding, differs: bool, wrong: impl FnOnce() -> Wrong) {
+    fn add(&mut self, finding: Judgement, first: Judgement, differs: bool, wrong: impl FnOnce() -> Wrong) {
         self.tally.add(finding);
         self.differs += u64::from(differs);
         self.differs_undecidably += u64::from(differs && !finding.is_wrong() && !first.is_wrong());
@@ -165,14 +165,15 @@ pub fn judge(
 
 /// Records each contender's answer to ray `k`, which must not hit `leaves` again.
 fn one(case: &Examined, ray: &Ray, leaves: Option<Id>, answers: &[Answers], k: usize, records: &mut [Records]) {
-    let mut first: Option<(Finding, Finding)> = None;
+    let mut first: Option<(Judgement, Judgement)> = None;
     for (a, record) in answers.iter().zip(records) {
         let (claim, blocked) = (a.hits[k], a.blocked[k]);
         let again = claim.is_hit() && leaves == Some(claim.id());
-        let closest = if again { Finding::Wrong(Fault::SelfHit) } else { finding(case, ray, &claim) };
-        let occluded = Finding::from(case.judge_occluded(blocked));
+        let closest = if again { Judgement::Wrong(Fault::SelfHit) } else { finding(case, ray, &claim) };
+        let occluded = Judgement::from(case.judge_occluded(blocked));
         let (first_closest, first_occluded) = *first.get_or_insert((closest, occluded));
-        let wrong = |finding: Finding, claim| Wrong { ray: *ray, fault: finding.fault(), claim, truth: *case.truth() };
+        let wrong =
+            |finding: Judgement, claim| Wrong { ray: *ray, fault: finding.fault(), claim, truth: *case.truth() };
         let other = claim.id() != answers[0].hits[k].id() || claim.is_hit() != answers[0].hits[k].is_hit();
         record.closest.add(closest, first_closest, other, || wrong(closest, claim));
         let claim = if blocked { Hit { geometry: 0, ..Hit::MISS } } else { Hit::MISS };
@@ -182,7 +183,7 @@ fn one(case: &Examined, ray: &Ray, leaves: Option<Id>, answers: &[Answers], k: u
 }
 
 /// Returns the arbiter's verdict, with answers just beyond an end of the interval as a separate class.
-fn finding(case: &Examined, ray: &Ray, claim: &Hit) -> Finding {
+fn finding(case: &Examined, ray: &Ray, claim: &Hit) -> Judgement {
     let verdict = case.judge(claim);
     if verdict != Verdict::Wrong(Fault::OutsideInterval) {
         return verdict.into();
@@ -190,5 +191,5 @@ fn finding(case: &Examined, ray: &Ray, claim: &Hit) -> Finding {
     let t = f64::from(claim.t);
     let beyond = (f64::from(ray.t_min) - t).max(t - f64::from(ray.t_max));
     let near = case.contacts().iter().filter(|c| c.id == claim.id() && (c.t - t).abs() <= c.bound);
-    if near.into_iter().any(|c| beyond <= c.bound) { Finding::BeyondEnd } else { verdict.into() }
+    if near.into_iter().any(|c| beyond <= c.bound) { Judgement::BeyondEnd } else { verdict.into() }
 }

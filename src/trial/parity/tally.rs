@@ -2,10 +2,10 @@
 
 use crate::accel::reference::{Cause, Fault, Verdict};
 
-/// All causes, in the order of [`Tally::undecidable`].
+/// All causes, in the order of [`VerdictCounts::undecidable`].
 pub const CAUSES: [Cause; 5] = [Cause::Edge, Cause::Tie, Cause::Interval, Cause::Sliver, Cause::Crack];
 
-/// All faults, in the order of [`Tally::wrong`].
+/// All faults, in the order of [`VerdictCounts::wrong`].
 pub const FAULTS: [Fault; 7] = [
     Fault::MissedHit,
     Fault::FalseHit,
@@ -44,7 +44,7 @@ pub fn fault_name(fault: Fault) -> &'static str {
 
 /// Verdict on an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Finding {
+pub enum Judgement {
     /// Equal to the arbiter's answer.
     Agrees,
     /// Different where `f32` could not tell, with the distance from flipping relative to the bound on the error, at
@@ -56,7 +56,7 @@ pub enum Finding {
     Wrong(Fault),
 }
 
-impl Finding {
+impl Judgement {
     /// Returns true if the answer breaks the contract.
     #[must_use]
     pub fn is_wrong(self) -> bool {
@@ -70,7 +70,7 @@ impl Finding {
     }
 }
 
-impl From<Verdict> for Finding {
+impl From<Verdict> for Judgement {
     fn from(verdict: Verdict) -> Self {
         match verdict {
             Verdict::Agrees => Self::Agrees,
@@ -86,7 +86,7 @@ impl From<Verdict> for Finding {
 
 /// Numbers of answers by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct VerdictCounts {
     /// All answers.
     pub answers: u64,
     /// Answers equal to the arbiter's.
@@ -101,18 +101,18 @@ pub struct Tally {
     pub largest_margin: f64,
 }
 
-impl Tally {
+impl VerdictCounts {
     /// Counts one answer.
-    pub fn add(&mut self, finding: Finding) {
+    pub fn add(&mut self, finding: Judgement) {
         self.answers += 1;
         match finding {
-            Finding::Agrees => self.agree += 1,
-            Finding::Undecidable(cause, margin) => {
+            Judgement::Agrees => self.agree += 1,
+            Judgement::Undecidable(cause, margin) => {
                 self.undecidable[cause as usize] += 1;
                 self.largest_margin = self.largest_margin.max(margin);
             }
-            Finding::BeyondEnd => self.beyond_end += 1,
-            Finding::Wrong(fault) => self.wrong[fault as usize] += 1,
+            Judgement::BeyondEnd => self.beyond_end += 1,
+            Judgement::Wrong(fault) => self.wrong[fault as usize] += 1,
         }
     }
 
@@ -163,13 +163,13 @@ mod tests {
     #[test]
     fn every_finding_is_counted_once_and_sums_add_up() {
         let findings = [
-            Finding::Agrees,
+            Judgement::Agrees,
             Verdict::Undecidable(Cause::Tie, Margin { distance: 1.0, bound: 4.0 }).into(),
             Verdict::Undecidable(Cause::Edge, Margin { distance: 1.0, bound: f64::INFINITY }).into(),
-            Finding::BeyondEnd,
-            Finding::Wrong(Fault::Leak),
+            Judgement::BeyondEnd,
+            Judgement::Wrong(Fault::Leak),
         ];
-        let mut tally = Tally::default();
+        let mut tally = VerdictCounts::default();
         findings.into_iter().for_each(|f| tally.add(f));
         assert_eq!((tally.answers, tally.agree, tally.all_undecidable(), tally.broken()), (5, 1, 2, 2));
         assert_eq!(

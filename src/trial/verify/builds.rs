@@ -5,10 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glam::Vec3;
 
-use super::Plan;
+use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::opaque;
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use super::tally::Worst;
 use crate::Result;
 use crate::accel::Intersector;
@@ -20,9 +20,9 @@ pub(super) const BATCHES: usize = 20;
 /// Number of meshes per scene.
 const MESHES: usize = 20;
 
-pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
+pub(super) fn batch<C: Candidate>(candidate: &C, plan: &VerifyPlan, i: usize) -> Result<CaseCounts> {
     let mut rng = Rng::new("builds", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     if i == 0 {
         weight(candidate, &mut tally)?;
     }
@@ -101,7 +101,7 @@ fn any_ray(rng: &mut Rng) -> Ray {
 
 /// Reports the bytes per triangle for a hilly surface of 32 768 triangles. There is no bound, since back ends count
 /// differently.
-fn weight<C: Candidate>(candidate: &C, tally: &mut Tally) -> Result<()> {
+fn weight<C: Candidate>(candidate: &C, tally: &mut CaseCounts) -> Result<()> {
     const N: u32 = 128;
     let height = |x: f32, z: f32| 0.05 * (9.0 * x).sin() * (7.0 * z).cos();
     let positions = (0..=N)

@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 
-use super::Plan;
+use super::VerifyPlan;
 use super::candidate::Candidate;
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use crate::Result;
 use crate::geometry::{Geometry, Shape, Sphere, TriMesh};
 use crate::render::{Observer, Options, render};
@@ -22,7 +22,7 @@ const BOUND: f64 = 1e-5;
 /// Number of shells of the onion.
 const SHELLS: u16 = 100;
 
-pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
+pub(super) fn batch<C: Candidate>(candidate: &C, plan: &VerifyPlan, i: usize) -> Result<CaseCounts> {
     let (name, mut scene) = match i {
         0 => ("total reflection in a closed cube", cube()),
         1 => ("an onion of a hundred shells", onion()),
@@ -34,7 +34,7 @@ pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Resul
     let edge = plan.sized(96, 20) as u32;
     (scene.settings.width, scene.settings.height) = (edge, edge);
     let ways = candidate.build(&scene.geometry)?;
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     for way in &ways {
         // One thread per picture, because the batches are spread over threads.
         let outcome = render(&scene, &way.accel, &Options { threads: 1, ..Options::default() }, &Observer::default())?;

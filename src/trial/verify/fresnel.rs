@@ -1,7 +1,7 @@
 //! Unpolarised reflectance in eight lanes, as the renderer computes it, against the oracle.
 
-use super::Plan;
-use super::tally::Tally;
+use super::VerifyPlan;
+use super::tally::CaseCounts;
 use crate::math::FUSED;
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, Exact, FresnelFormula, oracle};
@@ -53,16 +53,16 @@ pub(super) fn cosine(rng: &mut Rng, critical: f64) -> f32 {
     c.min(1.0) as f32
 }
 
-pub(super) fn batches(_plan: &Plan) -> usize {
+pub(super) fn batches(_plan: &VerifyPlan) -> usize {
     INDEX_PAIRS.len() * PARTS
 }
 
-pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
+pub(super) fn batch(plan: &VerifyPlan, i: usize) -> CaseCounts {
     let (n1, n2) = INDEX_PAIRS[i / PARTS];
     let boundary = Boundary::<F32x8>::new(n1, n2);
     let critical = critical_cosine(n1, n2);
     let mut rng = Rng::new("fresnel", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     for _ in 0..plan.sized(1_000_000, 20_000) / PARTS as u64 / 8 {
         let cosines = F32x8::from_fn(|_| cosine(&mut rng, critical));
         let at = boundary.cross(cosines);

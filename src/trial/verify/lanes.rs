@@ -3,10 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Plan;
+use super::VerifyPlan;
 use super::candidate::{Candidate, NamedAccel};
 use super::meshes::{Closed, opaque, unit};
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::{Coherence, Intersector};
 use crate::geometry::{Geometry, GeometryMask, Hit, Hit8, Ray, Ray8, Shape, Sphere};
@@ -23,9 +23,9 @@ const POISONS: [f32; 7] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0
 /// Content of inactive lanes before and after a query.
 const MARK: Hit = Hit { t: -7.5, u: 0.125, v: 3.0, instance: 9, geometry: 77, primitive: 78 };
 
-pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
+pub(super) fn batch<C: Candidate>(candidate: &C, plan: &VerifyPlan, i: usize) -> Result<CaseCounts> {
     let mut rng = Rng::new("lanes", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     let ways = candidate.build(&still_life())?;
     let judge = Judge { exact: candidate.is_exact() };
     let rounds = plan.sized(8, 1);
@@ -97,7 +97,7 @@ fn spoil(packet: &mut Ray8, lane: usize, poison: f32) {
 }
 
 /// Tests all masks but the empty one. Inactive lanes are poisoned, and one active lane at a time.
-fn masks<I: Intersector>(way: &NamedAccel<I>, rays: &[Ray; 8], judge: &Judge, tally: &mut Tally) {
+fn masks<I: Intersector>(way: &NamedAccel<I>, rays: &[Ray; 8], judge: &Judge, tally: &mut CaseCounts) {
     let mut scratch = I::Scratch::default();
     let (want, want_blocked) = (way.closest(rays, &mut scratch), way.occluded(rays, &mut scratch));
     let full = Ray8::pack(rays)[0];
@@ -136,7 +136,7 @@ fn masks<I: Intersector>(way: &NamedAccel<I>, rays: &[Ray; 8], judge: &Judge, ta
 }
 
 /// Traces the same rays in other orders, alone, and by the other traversals.
-fn orders<I: Intersector>(ways: &[NamedAccel<I>], rng: &mut Rng, judge: &Judge, tally: &mut Tally) {
+fn orders<I: Intersector>(ways: &[NamedAccel<I>], rng: &mut Rng, judge: &Judge, tally: &mut CaseCounts) {
     let mut scratch = I::Scratch::default();
     let rays: Vec<Ray> = (0..1600).map(|k| towards(rng, k * 5 % 8)).collect();
     let want = ways[0].closest(&rays, &mut scratch);

@@ -3,10 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Plan;
+use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::{Closed, Pair, exact_edge_points, opaque};
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::Ray;
@@ -21,13 +21,13 @@ const SPREAD: f64 = 0.25;
 /// Number of rays traced together.
 const CHUNK: usize = 4096;
 
-pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i: usize) -> Result<Tally> {
+pub(super) fn batch<C: Candidate>(candidate: &C, plan: &VerifyPlan, pairs: &[Pair], i: usize) -> Result<CaseCounts> {
     let pair = &pairs[i];
     let geometry = [opaque(pair.mesh.clone())];
     let ways = candidate.build(&geometry)?;
     let edges = exact_edge_points(&pair.mesh);
     let mut rng = Rng::new("leaks", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
     let mut left = plan.sized(10_000_000, 400_000).div_ceil(pairs.len() as u64) as usize;
     let mut k = 0;

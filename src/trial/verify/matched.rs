@@ -1,8 +1,8 @@
 //! Exact properties of the optics: equal indices, division of light, and one lane against eight.
 
-use super::Plan;
+use super::VerifyPlan;
 use super::fresnel::{INDEX_PAIRS, cosine, critical_cosine};
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use crate::math::{Real, Vector3};
 use crate::measure::sample::Rng;
 use crate::optics::{AtNormal, Boundary, Exact, FresnelFormula, Schlick, reflect};
@@ -10,9 +10,9 @@ use crate::simd::{F32x8, Vec3x8};
 
 pub(super) const BATCHES: usize = 16;
 
-pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
+pub(super) fn batch(plan: &VerifyPlan, i: usize) -> CaseCounts {
     let mut rng = Rng::new("matched", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     let rounds = plan.sized(4_000_000, 200_000) / BATCHES as u64 / 8;
     for _ in 0..rounds {
         equal_indices(&mut rng, &mut tally);
@@ -27,7 +27,7 @@ fn bits(v: Vector3<f32>) -> [u32; 3] {
 }
 
 /// Tests that equal indices reflect and bend no light, at grazing and normal incidence, too.
-fn equal_indices(rng: &mut Rng, tally: &mut Tally) {
+fn equal_indices(rng: &mut Rng, tally: &mut CaseCounts) {
     let ior = 10.0_f64.powf(rng.between(-1.0, 1.0));
     let boundary = Boundary::<f32>::new(ior, ior);
     let angle = if rng.below(4) == 0 { 0.0 } else { rng.unit().acos() };
@@ -44,7 +44,7 @@ fn equal_indices(rng: &mut Rng, tally: &mut Tally) {
 }
 
 /// Tests that `R + (1 - R)` is 1 to the bit for every formula: light that is not reflected is transmitted.
-fn split(rng: &mut Rng, tally: &mut Tally) {
+fn split(rng: &mut Rng, tally: &mut CaseCounts) {
     let (n1, n2) = INDEX_PAIRS[rng.below(INDEX_PAIRS.len())];
     let boundary = Boundary::<F32x8>::new(n1, n2);
     let at = boundary.cross(F32x8::from_fn(|_| cosine(rng, critical_cosine(n1, n2))));
@@ -70,7 +70,7 @@ fn answers<R: Real>(boundary: &Boundary<R>, incident: Vector3<R>, normal: Vector
 }
 
 /// Tests that each of eight lanes gives the bits of the scalar formula, with poisoned numbers in some lanes.
-fn one_and_eight(rng: &mut Rng, tally: &mut Tally) {
+fn one_and_eight(rng: &mut Rng, tally: &mut CaseCounts) {
     let (n1, n2) = INDEX_PAIRS[rng.below(INDEX_PAIRS.len())];
     let (mut incident, mut normal) = (Vec3x8::splat(glam::Vec3::X), Vec3x8::splat(glam::Vec3::X));
     for lane in 0..8 {

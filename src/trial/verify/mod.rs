@@ -30,15 +30,15 @@ pub use candidate::{Candidate, NamedAccel, UnderTest};
 pub use fresnel::INDEX_PAIRS;
 pub use group::Group;
 pub use scene::fire as fire_at_scene;
-pub use tally::{Tally, Worst};
-pub use trouble::{Kind, Place, Trouble, Troubles, find as find_trouble};
+pub use tally::{CaseCounts, Worst};
+pub use trouble::{TriangleLocation, Trouble, TroubleKind, Troubles, find as find_trouble};
 
 use crate::render::Observer;
 use crate::{Error, Result};
 
 /// Selection of test cases.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct VerifyPlan {
     /// Groups, in the requested order.
     pub groups: Vec<Group>,
     /// True for all documented cases, minutes of work; false for a sample of them.
@@ -47,7 +47,7 @@ pub struct Plan {
     pub rays: Option<u64>,
 }
 
-impl Plan {
+impl VerifyPlan {
     /// Returns a sample of every group, some seconds of work.
     #[must_use]
     pub fn quick() -> Self {
@@ -72,18 +72,18 @@ pub(crate) const PARTS: u64 = 1000;
 
 /// Result of one group.
 #[derive(Clone, Debug)]
-pub struct Finding {
+pub struct GroupResult {
     /// Group.
     pub group: Group,
     /// Back end; `None` for a group of formulas.
     pub path: Option<&'static str>,
     /// Cases, failures and the worst figure.
-    pub tally: Tally,
+    pub tally: CaseCounts,
     /// Wall time.
     pub time: Duration,
 }
 
-impl Finding {
+impl GroupResult {
     /// Returns true if no case failed and there was at least one. If the work limit left no case, the rays left out are
     /// reported instead.
     #[must_use]
@@ -96,10 +96,10 @@ impl Finding {
 ///
 /// # Errors
 /// Returns [`Error::Interrupted`] soon after `observer.stop` is set.
-pub fn fire_at_optics(plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
+pub fn fire_at_optics(plan: &VerifyPlan, observer: &Observer) -> Result<Vec<GroupResult>> {
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| !g.is_of_path()) {
-        let finding = |batches, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)| {
+        let finding = |batches, batch: &(dyn Fn(usize) -> Result<CaseCounts> + Sync)| {
             timed(group, None, || in_batches(batches, observer, batch))
         };
         findings.push(match group {
@@ -117,10 +117,10 @@ pub fn fire_at_optics(plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> 
 ///
 /// # Errors
 /// Fails as [`fire_at_optics`] does, or if the back end cannot be built.
-pub fn fire_at_path<C: Candidate>(candidate: &C, plan: &Plan, observer: &Observer) -> Result<Vec<Finding>> {
+pub fn fire_at_path<C: Candidate>(candidate: &C, plan: &VerifyPlan, observer: &Observer) -> Result<Vec<GroupResult>> {
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| g.is_of_path()) {
-        let finding = |batches, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)| {
+        let finding = |batches, batch: &(dyn Fn(usize) -> Result<CaseCounts> + Sync)| {
             timed(group, Some(candidate.name()), || in_batches(batches, observer, batch))
         };
         findings.push(match group {
@@ -143,16 +143,20 @@ pub fn fire_at_path<C: Candidate>(candidate: &C, plan: &Plan, observer: &Observe
 }
 
 /// Measures the time of a group.
-fn timed(group: Group, path: Option<&'static str>, work: impl FnOnce() -> Result<Tally>) -> Result<Finding> {
+fn timed(group: Group, path: Option<&'static str>, work: impl FnOnce() -> Result<CaseCounts>) -> Result<GroupResult> {
     let start = Instant::now();
     let tally = work()?;
-    Ok(Finding { group, path, tally, time: start.elapsed() })
+    Ok(GroupResult { group, path, tally, time: start.elapsed() })
 }
 
 /// Runs batches on all threads and sums their results in order.
-fn in_batches(batches: usize, observer: &Observer, batch: &(dyn Fn(usize) -> Result<Tally> + Sync)) -> Result<Tally> {
+fn in_batches(
+    batches: usize,
+    observer: &Observer,
+    batch: &(dyn Fn(usize) -> Result<CaseCounts> + Sync),
+) -> Result<CaseCounts> {
     let done = AtomicU64::new(0);
-    let tallies: Vec<Tally> = (0..batches)
+    let tallies: Vec<CaseCounts> = (0..batches)
         .into_par_iter()
         // Some batches take a hundred times as long as others, so each is a task that an idle thread can take.
         .with_max_len(1)
@@ -167,7 +171,7 @@ fn in_batches(batches: usize, observer: &Observer, batch: &(dyn Fn(usize) -> Res
             Ok(tally)
         })
         .collect::<Result<_>>()?;
-    let mut sum = Tally::default();
+    let mut sum = CaseCounts::default();
     for tally in tallies {
         sum.merge(tally);
     }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::Plan;
-use super::tally::Tally;
+use super::VerifyPlan;
+use super::tally::CaseCounts;
 use crate::measure::sample::Rng;
 use crate::optics::{oracle, reflect};
 
@@ -12,9 +12,9 @@ const BOUND: f64 = 3e-7;
 
 pub(super) const BATCHES: usize = 16;
 
-pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
+pub(super) fn batch(plan: &VerifyPlan, i: usize) -> CaseCounts {
     let mut rng = Rng::new("reflection", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     for _ in 0..plan.sized(4_000_000, 200_000) / BATCHES as u64 {
         let angle = match rng.below(3) {
             0 => rng.unit().acos(),

@@ -3,8 +3,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::Plan;
-use super::tally::Tally;
+use super::VerifyPlan;
+use super::tally::CaseCounts;
 use crate::math::FUSED;
 use crate::measure::sample::Rng;
 use crate::optics::{Boundary, oracle};
@@ -50,7 +50,7 @@ const ROWS: [(f64, f64, Angles, f64, f64); 14] = [
 
 const PARTS: usize = 4;
 
-pub(super) fn batches(_plan: &Plan) -> usize {
+pub(super) fn batches(_plan: &VerifyPlan) -> usize {
     ROWS.len() * PARTS
 }
 
@@ -66,11 +66,11 @@ fn angle(rng: &mut Rng, kind: Angles, n1: f64, n2: f64) -> f64 {
     }
 }
 
-pub(super) fn batch(plan: &Plan, i: usize) -> Tally {
+pub(super) fn batch(plan: &VerifyPlan, i: usize) -> CaseCounts {
     let (n1, n2, kind, bound, may_misjudge) = ROWS[i / PARTS];
     let boundary = Boundary::<f32>::new(n1, n2);
     let mut rng = Rng::new("refraction", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     let mut misjudged = 0;
     let rays = plan.sized(250_000, 8_000) / PARTS as u64;
     for _ in 0..rays {

@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 use super::candidate::{Candidate, NamedAccel};
 use super::group::Group;
 use super::self_hits::{Leaving, leaving};
-use super::tally::Tally;
-use super::trouble::Place;
-use super::{Finding, Plan, in_batches, timed};
+use super::tally::CaseCounts;
+use super::trouble::TriangleLocation;
+use super::{GroupResult, VerifyPlan, in_batches, timed};
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Budget, Examined, Fault, Reference, Verdict};
@@ -59,16 +59,16 @@ pub fn fire<C: Candidate>(
     candidate: &C,
     scene: &Scene,
     name: &str,
-    plan: &Plan,
+    plan: &VerifyPlan,
     observer: &Observer,
-) -> Result<Vec<Finding>> {
+) -> Result<Vec<GroupResult>> {
     let target = Target { scene, name, ways: candidate.build(&scene.geometry)?, exact: candidate.is_exact() };
     Reference::need(&scene.geometry)?;
     let arbiter = Reference::build(&scene.geometry);
     let aim = Aim::at(scene);
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| Group::OF_SCENE.contains(g)) {
-        let batch = |i: usize| -> Result<Tally> {
+        let batch = |i: usize| -> Result<CaseCounts> {
             let mut rng = Rng::new(group.name(), i);
             let count = plan.rays.unwrap_or(plan.sized(2_000_000, 64_000)) as usize / BATCHES;
             let rays: Vec<Ray> = (0..count).map(|k| aim.ray(&mut rng, group == Group::Parity, k)).collect();
@@ -95,9 +95,9 @@ struct Target<'a, I> {
 
 impl<I: Intersector> Target<'_, I> {
     /// Sends rays from the hits of `rays`, and finds those that hit the flat primitive they leave.
-    fn left_behind(&self, arbiter: &Reference, rays: &[Ray], mut budget: Budget, rng: &mut Rng) -> Tally {
+    fn left_behind(&self, arbiter: &Reference, rays: &[Ray], mut budget: Budget, rng: &mut Rng) -> CaseCounts {
         let geometry = &self.scene.geometry;
-        let mut tally = Tally::default();
+        let mut tally = CaseCounts::default();
         let mut scratch = I::Scratch::default();
         let mut rest = rays;
         while !rest.is_empty() {
@@ -117,7 +117,7 @@ impl<I: Intersector> Target<'_, I> {
                     // Only a flat primitive cannot be hit again.
                     let flat = !matches!(geometry[l.from.geometry as usize].shape, Shape::Sphere(_));
                     tally.check(!(flat && hit.is_hit() && hit.id() == l.from.id()), || {
-                        let place = Place::of(self.scene, l.from.geometry, l.from.primitive);
+                        let place = TriangleLocation::of(self.scene, l.from.geometry, l.from.primitive);
                         let answers = [(way.name, self.hit(&hit))];
                         self.failure(
                             &format!("{place}: met again by a {:?} ray that leaves it", l.sent),
@@ -132,8 +132,8 @@ impl<I: Intersector> Target<'_, I> {
     }
 
     /// Judges the answers of every traversal to `rays` by the arbiter.
-    fn judged(&self, group: Group, arbiter: &Reference, rays: &[Ray], mut budget: Budget) -> Tally {
-        let mut tally = Tally::default();
+    fn judged(&self, group: Group, arbiter: &Reference, rays: &[Ray], mut budget: Budget) -> CaseCounts {
+        let mut tally = CaseCounts::default();
         let mut scratch = I::Scratch::default();
         let mut rest = rays;
         while !rest.is_empty() {
@@ -164,7 +164,7 @@ impl<I: Intersector> Target<'_, I> {
                     let (geometry, primitive) =
                         if truth.is_hit() { (truth.geometry, truth.primitive) } else { (hit.geometry, hit.primitive) };
                     let place = if (geometry as usize) < self.scene.objects.len() {
-                        Place::of(self.scene, geometry, primitive).to_string()
+                        TriangleLocation::of(self.scene, geometry, primitive).to_string()
                     } else {
                         String::from("nowhere")
                     };

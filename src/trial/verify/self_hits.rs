@@ -3,10 +3,10 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Plan;
+use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::{Closed, Pair, of_triangles, opaque};
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::Intersector;
 use crate::geometry::{Geometry, GeometryMask, Hit, Plane, Ray, Shape, Sphere, Spot};
@@ -23,10 +23,10 @@ const CHUNK: usize = 1024;
 /// Distance of two surfaces, in error bounds, at which both must be hit.
 const APART: f64 = 4.0;
 
-pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, pairs: &[Pair], i: usize) -> Result<Tally> {
+pub(super) fn batch<C: Candidate>(candidate: &C, plan: &VerifyPlan, pairs: &[Pair], i: usize) -> Result<CaseCounts> {
     let pair = &pairs[i];
     let mut rng = Rng::new("self-hits", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     let wanted = plan.sized(4_000_000, 200_000).div_ceil(pairs.len() as u64);
     let mut geometry = vec![opaque(pair.mesh.clone())];
     leave(candidate, &geometry, pair, wanted * 3 / 4, &mut rng, &mut tally)?;
@@ -97,7 +97,7 @@ fn leave<C: Candidate>(
     pair: &Pair,
     wanted: u64,
     rng: &mut Rng,
-    tally: &mut Tally,
+    tally: &mut CaseCounts,
 ) -> Result<()> {
     let ways = candidate.build(geometry)?;
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
@@ -175,7 +175,7 @@ fn arriving(rng: &mut Rng, pair: &Pair, k: usize) -> Ray {
 
 /// Tests infinite planes along an axis and tilted, through the position of `pair` and through or near the origin, at
 /// heights of all exponents. Rays that leave a plane on either side must miss it.
-fn planes<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut Tally) -> Result<()> {
+fn planes<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut CaseCounts) -> Result<()> {
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
     let size = pair.half.max_element();
     for k in 0..8 {
@@ -213,7 +213,7 @@ fn planes<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut T
 
 /// Tests two parallel plates a few error bounds apart, at the scale and position of `pair`. A ray from one towards the
 /// other must hit it.
-fn plates<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut Tally) -> Result<()> {
+fn plates<C: Candidate>(candidate: &C, pair: &Pair, rng: &mut Rng, tally: &mut CaseCounts) -> Result<()> {
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
     // The gap is up to a third of a plate's size if that spans only 256 ulps, so rays are aimed well inside.
     for _ in 0..8 {

@@ -26,7 +26,7 @@ impl Worst {
 
 /// Results of some test cases.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tally {
+pub struct CaseCounts {
     /// Number of cases.
     pub cases: u64,
     /// Number of failures.
@@ -40,7 +40,7 @@ pub struct Tally {
     pub left_out: u64,
 }
 
-impl Tally {
+impl CaseCounts {
     /// Counts a case that passed.
     pub fn pass(&mut self) {
         self.cases += 1;

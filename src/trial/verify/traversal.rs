@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use glam::{DVec3, Vec3};
 
-use super::Plan;
+use super::VerifyPlan;
 use super::candidate::Candidate;
 use super::meshes::{Closed, of_triangles, opaque, unit};
-use super::tally::Tally;
+use super::tally::CaseCounts;
 use crate::Result;
 use crate::accel::Intersector;
 use crate::accel::reference::{Reference, Verdict};
@@ -22,10 +22,10 @@ const PARTS: usize = 8;
 
 pub(super) const BATCHES: usize = SCENES * PARTS;
 
-pub(super) fn batch<C: Candidate>(candidate: &C, plan: &Plan, i: usize) -> Result<Tally> {
+pub(super) fn batch<C: Candidate>(candidate: &C, plan: &VerifyPlan, i: usize) -> Result<CaseCounts> {
     let (name, geometry) = scene(i / PARTS);
     let mut rng = Rng::new("traversal", i);
-    let mut tally = Tally::default();
+    let mut tally = CaseCounts::default();
     let mut scratch = <C::Accel as Intersector>::Scratch::default();
     // If all hits are equally near, no box can be skipped, and a ray costs as much as a hundred thousand triangles.
     // That is too much for a quick run, and for the arbiter, which tests each in `f64`.

@@ -23,7 +23,7 @@ const PROBE_UNITS: u64 = 200_000_000;
 
 /// Kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum TroubleKind {
     /// The triangle cannot be hit: its corners coincide, are not finite or too far out.
     Unusable,
     /// The triangle is at least a thousand times as long as high.
@@ -40,7 +40,7 @@ pub enum Kind {
     Touch,
 }
 
-impl Kind {
+impl TroubleKind {
     /// Returns a description.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -57,7 +57,7 @@ impl Kind {
 
 /// Triangle, or another shape as a whole, and the location it was read from.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct TriangleLocation {
     /// Name of the object.
     pub object: String,
     /// Index of the triangle in the object, from 0; 0 for other shapes.
@@ -68,7 +68,7 @@ pub struct Place {
     pub line: u32,
 }
 
-impl Place {
+impl TriangleLocation {
     /// Returns the location of a primitive of a scene.
     #[must_use]
     pub fn of(scene: &Scene, geometry: u32, primitive: u32) -> Self {
@@ -78,7 +78,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for TriangleLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.file.is_empty(), self.line) {
             (true, _) => {}
@@ -93,9 +93,9 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trouble {
     /// Kind of fault.
-    pub kind: Kind,
+    pub kind: TroubleKind,
     /// Location.
-    pub place: Place,
+    pub place: TriangleLocation,
     /// Figure, or the other triangle.
     pub detail: String,
 }
@@ -123,29 +123,29 @@ pub fn find(scene: &Scene) -> Troubles {
     for (id, g) in (0_u32..).zip(&scene.geometry) {
         let Shape::Mesh(mesh) = &g.shape else { continue };
         let mut tell = |kind, i: usize, detail| {
-            found.push(Trouble { kind, place: Place::of(scene, id, i as u32), detail });
+            found.push(Trouble { kind, place: TriangleLocation::of(scene, id, i as u32), detail });
         };
         for i in 0..mesh.triangles.len() {
             if !mesh.is_usable(i) {
-                tell(Kind::Unusable, i, String::new());
+                tell(TroubleKind::Unusable, i, String::new());
                 continue;
             }
             let corners = mesh.corners(i);
             let ratio = length_over_height(corners);
             if ratio >= SLIVER {
-                tell(Kind::Sliver, i, format!(", {ratio:.0} times as long as high"));
+                tell(TroubleKind::Sliver, i, format!(", {ratio:.0} times as long as high"));
             }
             let mut key = corners.map(place);
             key.sort_unstable();
             if let Some(&(earlier, first)) = seen.get(&key) {
-                tell(Kind::Duplicate, i, format!(" of {}", Place::of(scene, earlier, first)));
+                tell(TroubleKind::Duplicate, i, format!(" of {}", TriangleLocation::of(scene, earlier, first)));
             } else {
                 seen.insert(key, (id, i as u32));
             }
         }
         if scene.medium_of(id as usize).is_some() {
             for i in Edges::usable(mesh).open_triangles() {
-                tell(Kind::OpenEdge, i, String::new());
+                tell(TroubleKind::OpenEdge, i, String::new());
             }
         }
     }
@@ -191,7 +191,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
     let bounds = super::scene::bounds(scene);
     let mut rng = Rng::new("overlaps", 0);
     let size = bounds.0.abs().max_element().max(bounds.1.max_element());
-    let mut found: BTreeMap<(Kind, u32, u32), Trouble> = BTreeMap::new();
+    let mut found: BTreeMap<(TroubleKind, u32, u32), Trouble> = BTreeMap::new();
     let mut budget = Budget::new(PROBE_UNITS);
     for k in 0..PROBES {
         let (from, to) = (bounds.0 + bounds.1 * rng.point() * 2.0, bounds.0 + bounds.1 * rng.point());
@@ -212,7 +212,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
         let mut note = |kind, a: &Hit64, b: u32, what: &str| {
             found.entry((kind, a.geometry.min(b), a.geometry.max(b))).or_insert_with(|| Trouble {
                 kind,
-                place: Place::of(scene, a.geometry, a.primitive),
+                place: TriangleLocation::of(scene, a.geometry, a.primitive),
                 detail: format!(": `{}` {what}", scene.objects[b as usize].name),
             });
         };
@@ -220,7 +220,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
             let [a, b] = [&pair[0], &pair[1]];
             let between = (b.t - a.t) * ray.dir.length();
             if media[a.geometry as usize] != media[b.geometry as usize] && between <= COINCIDENT * size {
-                note(Kind::Touch, a, b.geometry, "touches it");
+                note(TroubleKind::Touch, a, b.geometry, "touches it");
             }
         }
         let mut inside: Vec<(u32, f64)> = Vec::new();
@@ -234,7 +234,7 @@ fn overlaps(scene: &Scene) -> (Vec<Trouble>, u64) {
                 // Touching faces are crossed at the same point up to rounding.
                 let shared = hit.t - at;
                 if clash(hit.geometry, other) && shared > 1e-5 * (hit.t - since) {
-                    note(Kind::Overlap, hit, other, "crosses it");
+                    note(TroubleKind::Overlap, hit, other, "crosses it");
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Reflection systems in the summary of a render.
 
 use crate::measure::table::{counted, grouped};
-use crate::render::{Outcome, RayKind};
+use crate::render::{MapsReport, Outcome, RayKind};
 use crate::scene::Scene;
 
 /// Number of mirror levels that the text lists; the last level is listed as well.
@@ -14,6 +14,35 @@ pub(super) struct Systems {
     mirrors: Option<Mirrors>,
     #[serde(skip_serializing_if = "Option::is_none")]
     maps: Option<Maps>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    images: Option<Images>,
+    /// Maps that refracted light is looked up in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    body_maps: Option<Maps>,
+}
+
+/// Virtual scenes behind mirror balls.
+#[derive(serde::Serialize)]
+struct Images {
+    reflectors: usize,
+    triangles: u64,
+    points: Points,
+    /// Triangles left out because a corner lies in a reflector, or has no reflection point or several.
+    left_out: u64,
+    /// Reflections of other reflectors, and of these where something else shows them.
+    traced_reflections: u64,
+    /// Reflectors without a virtual scene, with the reasons.
+    traced: Vec<String>,
+}
+
+/// Points of the scene that were to be moved.
+#[derive(serde::Serialize)]
+struct Points {
+    all: u64,
+    seen: u64,
+    inside_a_reflector: u64,
+    without_reflection_point: u64,
+    with_several: u64,
 }
 
 /// Planar mirrors in which the camera was mirrored.
@@ -37,16 +66,16 @@ struct Level {
     largest_weight: f32,
 }
 
-/// Maps that reflectors show.
+/// Maps that reflectors show, or bodies that bend light.
 #[derive(serde::Serialize)]
 struct Maps {
     kind: &'static str,
     maps: usize,
     texels: usize,
     seconds: f64,
-    /// Number of reflections that were traced, because there was no map or because they were inside a body.
-    traced_reflections: u64,
-    /// Reflectors without a map, with the reasons.
+    /// Number of rays that were traced, because there was no map or because they were inside a body.
+    traced_rays: u64,
+    /// Objects without a map, with the reasons.
     traced: Vec<String>,
 }
 
@@ -62,22 +91,38 @@ impl Systems {
                 .map(|level| Level {
                     passes: level.passes,
                     rays: level.rays,
-                    mean_weight: level.weight / camera,
+                    mean_weight: level.weight() / camera,
                     largest_weight: level.heaviest,
                 })
                 .collect(),
             traced_elsewhere: planar.elsewhere,
             traced: planar.curved.iter().map(|(object, why)| named(*object, why)).collect(),
         });
-        let maps = outcome.maps.as_ref().map(|report| Maps {
+        let of_maps = |report: &MapsReport| Maps {
             kind: report.maps.kind.name(),
             maps: report.maps.list.len(),
             texels: report.maps.list.iter().map(|map| map.picture.pixels.len()).sum(),
             seconds: report.time.as_secs_f64(),
-            traced_reflections: report.traced,
+            traced_rays: report.traced,
             traced: report.maps.without.iter().map(|&(object, why)| named(object, why)).collect(),
+        };
+        let (maps, body_maps) = (outcome.maps.as_ref().map(of_maps), outcome.body_maps.as_ref().map(of_maps));
+        let images = outcome.images.as_ref().map(|report| Images {
+            reflectors: report.reflectors,
+            triangles: report.triangles,
+            points: Points {
+                all: report.points.all,
+                seen: report.points.seen,
+                inside_a_reflector: report.points.inside,
+                without_reflection_point: report.points.none,
+                with_several: report.points.several,
+            },
+            left_out: report.left_out,
+            traced_reflections: report.traced,
+            traced: report.without.iter().map(|&(object, why)| named(object, why)).collect(),
         });
-        (mirrors.is_some() || maps.is_some()).then_some(Self { mirrors, maps })
+        let any = mirrors.is_some() || maps.is_some() || images.is_some() || body_maps.is_some();
+        any.then_some(Self { mirrors, maps, images, body_maps })
     }
 
     /// Names and values for lines of text.
@@ -104,14 +149,30 @@ impl Systems {
             }
             lines.extend(mirrors.traced.iter().map(|reason| ("traced", reason.clone())));
         }
-        if let Some(maps) = &self.maps {
-            let Maps { kind, maps: count, texels, seconds, traced_reflections, traced } = maps;
+        let maps = [("maps", &self.maps), ("body maps", &self.body_maps)];
+        for (name, maps) in maps.into_iter().filter_map(|(name, maps)| Some((name, maps.as_ref()?))) {
+            let Maps { kind, maps: count, texels, seconds, traced_rays, traced } = maps;
             let (count, texels) = (counted(*count as u64, "map"), grouped(*texels as u64));
-            let rays = match traced_reflections {
+            let rays = match traced_rays {
                 0 => String::new(),
-                n => format!("; {} reflections traced", grouped(*n)),
+                n => format!("; {} traced instead", counted(*n, "ray")),
             };
-            lines.push(("maps", format!("{count} ({kind}, {texels} texels), taken in {seconds:.3} s{rays}")));
+            lines.push((name, format!("{count} ({kind}, {texels} texels), taken in {seconds:.3} s{rays}")));
+            lines.extend(traced.iter().map(|reason| ("traced", reason.clone())));
+        }
+        if let Some(images) = &self.images {
+            let Images { reflectors, triangles, points, left_out, traced_reflections, traced } = images;
+            let [triangles, seen, all, left_out] = [*triangles, points.seen, points.all, *left_out].map(grouped);
+            let count = counted(*reflectors as u64, "virtual scene");
+            lines.push(("virtual", format!("{count} of {triangles} triangles; {seen} of {all} points seen")));
+            let [inside, none, several, rays] =
+                [points.inside_a_reflector, points.without_reflection_point, points.with_several, *traced_reflections]
+                    .map(grouped);
+            lines.push((
+                "",
+                format!("reflection points: {none} points have none, {several} several; {inside} lie in a reflector"),
+            ));
+            lines.push(("", format!("{left_out} triangles left out; {rays} reflections traced")));
             lines.extend(traced.iter().map(|reason| ("traced", reason.clone())));
         }
         lines

@@ -1,11 +1,12 @@
 //! `vitrum render --max-error` and `--time-budget`: reports the choice of settings, its reasons, and the result of the
 //! check.
 
-use super::backend::{Renderer, Traced};
 use super::options::Render;
-use super::render::picture;
-use super::{interrupt, output};
+use super::picture::picture;
 use crate::accel::Backend;
+use crate::cli::backend::{Renderer, Traced};
+use crate::cli::repeat::options;
+use crate::cli::{interrupt, output};
 use crate::render::{self, Observer};
 use crate::scene::Scene;
 use crate::study::budget::check::{self, Check};
@@ -69,7 +70,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
     let last = choice.ladder.len() - 1;
     for (i, candidate) in choice.ladder.iter().enumerate() {
         apply(candidate, job, scene, &whole);
-        say(job.quiet, &format!("{:<10} {}", if i == 0 { "choice" } else { "step up" }, candidate.variant));
+        say(job.quiet, &format!("{:<10} {}", if i == 0 { "choice" } else { "step up" }, options(&candidate.variant)));
         let traced = picture(job, scene, observer)?;
         let bound = if let Wish::MaxError(e) = wish { e } else { VISIBLE };
         // Under a time budget the most exact picture is final, so ill-conditioned pixels need not be told apart.
@@ -86,7 +87,7 @@ pub(super) fn render(job: &mut Render, scene: &mut Scene, wish: Wish, observer: 
         }
         // If the reference cannot show that the bound is kept, a more exact picture does not help.
         let unproven = matches!(wish, Wish::MaxError(_)) && check.wrong.is_empty() && !check.can_show();
-        let options = candidate.variant.to_string();
+        let options = options(&candidate.variant);
         steps.push(Step { options: options.clone(), predicted_seconds: candidate.seconds, seconds, check });
         if kept || unproven || i == last {
             if !kept {

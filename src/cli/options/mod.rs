@@ -2,23 +2,15 @@
 
 pub(super) mod choices;
 pub(super) mod effects;
+pub(super) mod exposure;
 pub(super) mod picture;
 pub(super) mod reading;
 
 use std::path::Path;
 
-pub(super) use super::bench::options::Bench;
-pub(super) use super::compare::options::{Compare, Difference};
-pub(super) use super::explain::options::Explain;
-pub(super) use super::formulas::options::Formulas;
-pub(super) use super::map::options::Map;
-pub(super) use super::parity::options::Parity;
-pub(super) use super::pixel::options::Pixel;
-pub(super) use super::price::options::Price;
-pub(super) use super::render::options::{Exposure, Render};
-pub(super) use super::verify::options::Verify;
 use crate::image::{Destination, Format};
 use crate::{Error, Result};
+pub(super) use exposure::Exposure;
 pub(super) use picture::{Overrides, SmallPicture};
 pub(super) use reading::Reading;
 

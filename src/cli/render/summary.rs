@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::backend::{Renderer, Traced};
 use super::budget::Spent;
 use super::options::Render;
 use super::systems::Systems;
-use super::table::rays;
-use super::unmatched::{Leak, Unmatched};
-use super::warnings::Warnings;
+use crate::cli::backend::{Renderer, Traced};
+use crate::cli::table::rays;
+use crate::cli::unmatched::{Leak, Unmatched};
+use crate::cli::warnings::Warnings;
 use crate::image::{Bits, Clipped, Film, Format};
 use crate::load::LoadReport;
 use crate::measure::table::{bytes, counted, grouped};
@@ -89,6 +89,7 @@ struct Picture {
     refraction: String,
     reflection: &'static str,
     shadows: &'static str,
+    lights_from: &'static str,
     exposure: f32,
 }
 
@@ -227,6 +228,7 @@ impl<'a> Summary<'a> {
                 refraction: job.options.refraction.to_string(),
                 reflection: job.options.reflection.name(),
                 shadows: settings.shadows.name(),
+                lights_from: settings.lights_from.name(),
                 exposure: job.exposure.ev,
             },
             backend: job.backend.name(),
