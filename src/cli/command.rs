@@ -8,11 +8,13 @@ use super::bench::args::BenchArgs;
 use super::compare::args::CompareArgs;
 use super::doctor::DoctorArgs;
 use super::explain::args::ExplainArgs;
+use super::info::args::InfoArgs;
 use super::map::args::MapArgs;
 use super::parity::args::ParityArgs;
 use super::pixel::args::PixelArgs;
 use super::price::args::PriceArgs;
 use super::render::args::RenderArgs;
+use super::scene::args::SceneArgs;
 use super::verify::args::VerifyArgs;
 use crate::simd::level;
 
@@ -38,6 +40,8 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArgs),
+    Info(InfoArgs),
+    Scene(SceneArgs),
     Explain(ExplainArgs),
     Compare(CompareArgs),
     Parity(ParityArgs),

@@ -9,6 +9,7 @@ mod compare;
 mod doctor;
 mod explain;
 mod formulas;
+mod info;
 mod interrupt;
 mod map;
 mod metadata;
@@ -21,6 +22,7 @@ mod progress;
 mod reflections;
 mod render;
 mod repeat;
+mod scene;
 mod table;
 mod unmatched;
 mod usage;
@@ -92,6 +94,8 @@ fn failed(e: &Error) -> ExitCode {
 fn run(cli: Cli) -> Result<Verdict> {
     match cli.command {
         Command::Render(args) => render::run(Render::try_from(args)?),
+        Command::Info(args) => info::run(args),
+        Command::Scene(args) => scene::run(args),
         Command::Explain(args) => explain::run(&Explain::try_from(args)?),
         Command::Compare(args) => compare::run(&Compare::try_from(args)?),
         Command::Parity(args) => parity::run(&Parity::from(args)),

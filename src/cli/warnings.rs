@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::options::Reading;
 use super::output;
 use crate::Result;
-use crate::load::{self, LoadOptions, LoadReport, Loaded};
+use crate::load::{LoadReport, Loaded};
 use crate::notices::{self, Notice};
 use crate::render::{Observer, Options};
 use crate::scene::Scene;
@@ -28,9 +29,14 @@ impl Warnings {
     /// Loads a scene with its own settings, and collects its warnings, for a command that makes no picture of its own.
     ///
     /// # Errors
-    /// As [`load::scene`] and [`notices::survey`]; under `strict` the first warning.
-    pub fn survey(file: &Path, strict: bool, options: &Options, observer: &Observer) -> Result<(Scene, Self)> {
-        let Loaded { mut scene, report } = load::scene(file, &LoadOptions { strict, ..LoadOptions::default() })?;
+    /// As [`Reading::load`] and [`notices::survey`]; under `strict` the first warning.
+    pub fn survey(
+        (file, reading): (&Path, &Reading),
+        strict: bool,
+        options: &Options,
+        observer: &Observer,
+    ) -> Result<(Scene, Self)> {
+        let Loaded { mut scene, report } = reading.load(file, strict)?;
         let notices = super::interrupt::heeded(|| notices::survey(file, &mut scene, &report, options, observer))?;
         if strict {
             refuse(&notices)?;

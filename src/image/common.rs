@@ -4,7 +4,6 @@ use std::io::Cursor;
 
 use ::image::{DynamicImage, ImageFormat, ImageReader};
 
-use super::limits::Limits;
 use super::samples::{Samples, Stored, code_of_16, code_of_share, light_of_codes, transfer};
 
 /// Returns the format of a file by its first bytes, with its name. TGA has none and is told by its header.
@@ -78,14 +77,19 @@ pub(super) fn shortest(format: ImageFormat, (width, height): (u32, u32)) -> u64 
     }
 }
 
-/// Decodes a picture. Codes are sRGB, or light itself if `linear`; floating-point samples always are light.
-pub(super) fn decode(bytes: &[u8], format: ImageFormat, limits: Limits, linear: bool) -> Result<Stored, String> {
+/// Decodes a picture of at most `edge` pixels along each side and `pixels` in all. Codes are sRGB, or light itself if `linear`; floating-point samples always are light.
+pub(super) fn decode(
+    bytes: &[u8],
+    format: ImageFormat,
+    (edge, pixels): (u32, u64),
+    linear: bool,
+) -> Result<Stored, String> {
     // `ImageReader` is the only interface of `image` that respects its limits.
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut own = ::image::Limits::default();
-    own.max_image_width = Some(limits.edge);
-    own.max_image_height = Some(limits.edge);
-    own.max_alloc = Some(limits.pixels.saturating_mul(16));
+    own.max_image_width = Some(edge);
+    own.max_image_height = Some(edge);
+    own.max_alloc = Some(pixels.saturating_mul(16));
     reader.limits(own);
     let picture = reader.decode().map_err(|e| e.to_string())?;
     let size = (picture.width(), picture.height());
@@ -143,12 +147,12 @@ mod tests {
         let mut bytes = Cursor::new(Vec::new());
         let float = ::image::Rgb32FImage::from_pixel(1, 1, ::image::Rgb([0.5, 4.0, 0.0]));
         DynamicImage::ImageRgb32F(float).write_to(&mut bytes, ImageFormat::Tiff).unwrap();
-        let film = decode(bytes.get_ref(), ImageFormat::Tiff, Limits::default(), false).unwrap().into_film();
+        let film = decode(bytes.get_ref(), ImageFormat::Tiff, (9, 99), false).unwrap().into_film();
         assert_eq!(film.pixels, [[0.5, 4.0, 0.0]]);
         let mut bytes = Cursor::new(Vec::new());
         let codes = ::image::RgbaImage::from_pixel(1, 1, ::image::Rgba([188, 0, 255, 51]));
         DynamicImage::ImageRgba8(codes).write_to(&mut bytes, ImageFormat::Tiff).unwrap();
-        let stored = decode(bytes.get_ref(), ImageFormat::Tiff, Limits::default(), false).unwrap();
+        let stored = decode(bytes.get_ref(), ImageFormat::Tiff, (9, 99), false).unwrap();
         assert_eq!(stored.alpha, Some(vec![51]));
         let film = stored.into_film();
         assert!((film.pixels[0][0] - 0.5029).abs() < 1e-4 && film.pixels[0][2] == 1.0);

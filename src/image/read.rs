@@ -103,7 +103,8 @@ pub fn decode_stored(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
             };
             let size = common::dimensions(bytes, format).map_err(wrong(name))?;
             check(size, common::bytes_a_pixel(format), common::shortest(format, size))?;
-            common::decode(bytes, format, options.limits, options.linear).map_err(wrong(name))?
+            common::decode(bytes, format, (options.limits.edge, options.limits.pixels), options.linear)
+                .map_err(wrong(name))?
         }
     };
     Ok(stored)

@@ -11,6 +11,8 @@ pub(super) struct Extras {
     pub view: Option<View>,
     /// Lights.
     pub lamps: Vec<Lamp>,
+    /// Names of its materials.
+    pub names: Vec<String>,
 }
 
 /// Camera of a model file.

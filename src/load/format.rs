@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::assembly::Assembly;
 use super::extras::Extras;
-use super::request::Request;
+use super::request::{Request, UNNAMED};
 use super::{gltf, obj, ply, stl};
 use crate::Result;
 
@@ -32,14 +32,20 @@ impl Format {
         }
     }
 
-    /// Reads a model of this format into the scene, and returns its camera and its lights.
+    /// Reads a model of this format into the scene, and returns its camera, its lights and the names of its materials.
     pub(super) fn load(self, path: &Path, request: &Request<'_>, assembly: &mut Assembly<'_>) -> Result<Extras> {
-        match self {
-            Self::Gltf => return gltf::load(path, request, assembly),
-            Self::Obj => drop(obj::load(path, request, assembly)?),
-            Self::Ply => ply::load(path, request, assembly)?,
-            Self::Stl => stl::load(path, request, assembly)?,
-        }
-        Ok(Extras::default())
+        let unnamed = |()| vec![String::from(UNNAMED)];
+        let before = assembly.scene.materials.len();
+        let names = match self {
+            Self::Gltf => {
+                let extras = gltf::load(path, request, assembly)?;
+                let made = assembly.scene.materials.iter().skip(before);
+                return Ok(Extras { names: made.map(|m| m.name.clone()).collect(), ..extras });
+            }
+            Self::Obj => obj::load(path, request, assembly)?,
+            Self::Ply => ply::load(path, request, assembly).map(unnamed)?,
+            Self::Stl => stl::load(path, request, assembly).map(unnamed)?,
+        };
+        Ok(Extras { names, ..Extras::default() })
     }
 }

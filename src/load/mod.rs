@@ -5,8 +5,10 @@
 //! [`LoadReport`]. Nothing is repaired silently.
 
 mod assembly;
+mod bare;
 mod brief;
 pub mod catalogue;
+mod colour;
 mod document;
 mod draft;
 mod extent;
@@ -23,15 +25,21 @@ mod ply;
 mod report;
 mod request;
 pub mod shapes;
+mod sketch;
 mod smooth;
 mod source;
 mod stl;
 mod suggest;
+mod surface;
 mod texture;
 mod transform;
 mod winding;
 
+pub use bare::{ModelLight, ModelOptions, Up};
+pub use colour::colour;
 pub use report::{Hull, LoadReport, Model, Warning};
+pub use sketch::sketch;
+pub use surface::{Index, Surface};
 pub use texture::picture;
 pub use transform::Transform;
 
@@ -55,6 +63,8 @@ pub struct LoadOptions {
     pub camera: Option<String>,
     /// Further folders that may contain files a scene names.
     pub allow_outside: Vec<PathBuf>,
+    /// Options of a model by itself.
+    pub model: ModelOptions,
     /// Limits on the input.
     pub limits: Limits,
 }

@@ -6,14 +6,15 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::assembly::Assembly;
+use super::bare::{ModelLight, ModelOptions};
 use super::extent::WIDEST;
 use super::extras::{Lamp, LampKind, View};
 use super::format::Format;
 use super::origin::Frame;
 use super::request::Request;
-use super::transform::Transform;
 use super::{LoadOptions, Loaded};
 use crate::geometry::{Aabb, COORDINATE_LIMIT, Shape};
+use crate::scene::ranges::LEAST_SINE_OF_UP;
 use crate::scene::{Camera, Environment, Falloff, Light, LightKind, Projection, Rgb, Scene};
 use crate::{Error, Result};
 
@@ -24,56 +25,95 @@ const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 
 /// Reads a model and builds a scene around it.
 pub(super) fn load(path: &Path, format: Format, options: &LoadOptions) -> Result<Loaded> {
+    let model = &options.model;
     let mut assembly = Assembly::new(path, options)?;
+    let mut replace = Vec::with_capacity(model.materials.len());
+    for (name, surface) in &model.materials {
+        let material = surface.material(name, &mut assembly);
+        replace.push((name.clone(), assembly.add_material(material)?));
+    }
     let request = Request {
         name: path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
         material: None,
-        replace: &[],
-        smooth: None,
+        replace: &replace,
+        smooth: model.smooth,
         flip: false,
-        transform: Transform::IDENTITY,
+        transform: model.up.transform(),
         limit: WIDEST,
         wrong_transform: &|e| Error::file(path, e),
     };
     let extras = format.load(path, &request, &mut assembly)?;
+    if let Some(fault) = request.not_replaced(&extras.names) {
+        return Err(Error::Usage(format!("--material: {}: {fault}", path.display())));
+    }
     let frame = assembly.settle(None)?;
     let bounds = bounds(&assembly.scene);
-    let view = extras.view.and_then(|view| placed(&view, frame, &bounds));
-    let camera = if view.is_some() { "the model's camera" } else { "a camera fitted to the model" };
-    assembly.scene.camera = view.unwrap_or_else(|| fitted(&bounds));
-    let own = extras.lamps.iter().filter_map(|lamp| light(lamp, frame)).collect::<Vec<_>>();
-    if own.len() < extras.lamps.len() {
+    let own_camera = extras
+        .view
+        .as_ref()
+        .filter(|_| model.eye.is_none() && model.target.is_none() && model.fov.is_none())
+        .and_then(|view| placed(view, frame, &bounds));
+    let seen = if own_camera.is_some() { "the model's camera" } else { "a camera fitted to the model" };
+    assembly.scene.camera = match own_camera {
+        Some(camera) => camera,
+        None => camera(&bounds, model, frame)?,
+    };
+    let own: Vec<Light> = if model.lights.is_empty() {
+        extras.lamps.iter().filter_map(|lamp| light(lamp, frame)).collect()
+    } else {
+        let at = |(i, light): (usize, &ModelLight)| Light {
+            name: format!("light {}", i + 1),
+            kind: LightKind::Point { position: frame.local(light.position).as_vec3() },
+            intensity: Rgb::splat(light.intensity),
+            falloff: Falloff::None,
+            shadows: true,
+        };
+        model.lights.iter().enumerate().map(at).collect()
+    };
+    if model.lights.is_empty() && own.len() < extras.lamps.len() {
         let kind = "lights beyond the largest coordinate are left out";
         assembly.reporter.warn(path, 0, kind, || format!(" ({} of them)", extras.lamps.len() - own.len()))?;
     }
-    let lit = if own.is_empty() { "a key light, two weak ones that leave no side black" } else { "the model's lights" };
-    assembly.scene.lights = if own.is_empty() { lights(assembly.scene.camera.eye) } else { own };
-    assembly.scene.environment = Environment::Gradient {
-        nadir: Rgb::splat(0.2),
-        horizon: Rgb::new(0.8, 0.85, 0.9),
-        zenith: Rgb::new(0.3, 0.45, 0.75),
+    let lit = match (own.is_empty(), model.lights.is_empty()) {
+        (true, _) => "a key light, two weak ones that leave no side black",
+        (_, true) => "the model's lights",
+        _ => "the lights that were given",
     };
-    assembly.reporter.default_used(format!("{camera}, {lit}, and a sky"));
+    assembly.scene.lights = if own.is_empty() { lights(assembly.scene.camera.eye) } else { own };
+    let sky = if model.background.is_some() || model.environment.is_some() { "surroundings" } else { "a sky" };
+    assembly.scene.environment = match (&model.background, &model.environment) {
+        (Some(colour), _) => Environment::Constant(*colour),
+        (None, Some(file)) => Environment::LatLong { texture: assembly.picture(file)?, scale: Rgb::ONE, rotation: 0.0 },
+        (None, None) => Environment::Gradient {
+            nadir: Rgb::splat(0.2),
+            horizon: Rgb::new(0.8, 0.85, 0.9),
+            zenith: Rgb::new(0.3, 0.45, 0.75),
+        },
+    };
+    assembly.reporter.default_used(format!("{seen}, {lit}, and {sky}"));
     Ok(assembly.finish())
 }
 
-/// Returns a three-quarter view that contains the bounding box's sphere at any size.
-fn fitted(bounds: &Aabb) -> Camera {
+/// Returns the camera: a three-quarter view of the bounding box's sphere, as far as the options do not place it.
+fn camera(bounds: &Aabb, model: &ModelOptions, frame: Frame) -> Result<Camera> {
     let (lo, hi) = (bounds.lo.as_dvec3(), bounds.hi.as_dvec3());
-    let centre = (lo + hi) * 0.5;
     let radius = (hi - lo).length() * 0.5;
-    if !(radius > 0.0 && radius.is_finite()) {
+    let seen = radius > 0.0 && radius.is_finite();
+    if !seen && model.eye.is_none() && model.target.is_none() {
         // Nothing is visible.
-        return Camera::default();
+        return Ok(Camera::default());
     }
-    let distance = 1.05 * radius / (f64::from(VFOV).to_radians() * 0.5).sin();
-    Camera {
-        eye: (centre + TOWARDS_CAMERA.normalize() * distance).as_vec3(),
-        target: centre.as_vec3(),
-        up: Vec3::Y,
-        projection: Projection::Pinhole { vfov: VFOV },
-        medium: None,
-    }
+    let vfov = model.fov.map_or(VFOV, |fov| fov as f32);
+    let centre = if seen { (lo + hi) * 0.5 } else { DVec3::ZERO };
+    let target = model.target.map_or(centre, |p| frame.local(p));
+    let distance = 1.05 * if seen { radius } else { 1.0 } / (f64::from(vfov).to_radians() * 0.5).sin();
+    let eye = model.eye.map_or(target + TOWARDS_CAMERA.normalize() * distance, |p| frame.local(p));
+    let (eye, target) = (eye.as_vec3(), target.as_vec3());
+    let Some(view) = (target - eye).as_dvec3().try_normalize() else {
+        return Err(Error::Usage(String::from("--eye: the camera stands at what it looks at; move it, or --target")));
+    };
+    let up = if view.cross(DVec3::Y).length() < LEAST_SINE_OF_UP { Vec3::NEG_Z } else { Vec3::Y };
+    Ok(Camera { eye, target, up, projection: Projection::Pinhole { vfov }, medium: None })
 }
 
 /// Returns the camera of the model's file, whose target is as far as the middle of the model.
@@ -122,9 +162,9 @@ fn light(lamp: &Lamp, frame: Frame) -> Option<Light> {
 /// Direction of the key light: over the camera's left shoulder.
 const KEY: DVec3 = DVec3::new(0.6, -1.0, -0.7);
 
-/// Returns a key light, and two weak ones without shadows so that no side is black. One is at the eye, which reaches all
-/// that is seen. The other is opposite to the key light, for sides that only mirrors and glass show. Key and eye light show
-/// a facing white surface as white.
+/// Returns a key light, and two weak ones without shadows so that no side is black. One is at the eye and reaches all
+/// that is seen; the other is opposite to the key light, for sides that only mirrors and glass show. Key and eye light
+/// show a facing white surface as white.
 fn lights(eye: Vec3) -> Vec<Light> {
     let far = |name: &str, direction: DVec3, strength: f32, shadows| Light {
         name: name.to_owned(),
@@ -141,6 +181,15 @@ fn lights(eye: Vec3) -> Vec<Light> {
         shadows: false,
     };
     vec![far("key", KEY, 0.8, true), at_eye, far("back", -KEY, 0.15, false)]
+}
+
+/// Returns the direction of one of the usual lights before it was normalised.
+pub(super) fn direction_of(light: &str) -> Option<DVec3> {
+    match light {
+        "key" => Some(KEY),
+        "back" => Some(-KEY),
+        _ => None,
+    }
 }
 
 /// Share of the whole extent above which a triangle is wide.

@@ -8,6 +8,13 @@ use super::transform::Transform;
 use crate::scene::Origin;
 use crate::{Error, Result};
 
+/// Name of the material of faces without one.
+pub(super) const UNNAMED: &str = "default";
+/// Name that stands for every material.
+const ALL: &str = "*";
+/// Number of names that a message lists.
+const MOST_NAMES: usize = 12;
+
 /// Options for adding a model to a scene.
 pub(super) struct Request<'a> {
     /// Name in messages.
@@ -30,6 +37,25 @@ pub(super) struct Request<'a> {
 }
 
 impl Request<'_> {
+    /// Returns the material that replaces one of the model, by its name there.
+    pub(super) fn replacement(&self, name: &str) -> Option<u32> {
+        let name = if name.is_empty() { UNNAMED } else { name };
+        let folded = name.to_lowercase();
+        let by = |same: &dyn Fn(&str) -> bool| self.replace.iter().find(|(given, _)| same(given)).map(|(_, m)| *m);
+        by(&|given| given == name)
+            .or_else(|| by(&|given| given.to_lowercase() == folded))
+            .or_else(|| by(&|given| given == ALL))
+    }
+
+    /// Returns a message about the first material to be replaced that is none of `names`, the materials of the model.
+    pub(super) fn not_replaced(&self, names: &[String]) -> Option<String> {
+        let known = |given: &str| given == ALL || names.iter().any(|n| n.to_lowercase() == given.to_lowercase());
+        let (unknown, _) = self.replace.iter().find(|(given, _)| !known(given))?;
+        let list = names.iter().take(MOST_NAMES).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+        let more = if names.len() > MOST_NAMES { ", ..." } else { "" };
+        Some(format!("no material of the model is called `{unknown}`; it has {list}{more}"))
+    }
+
     /// Adds a mesh of the model to the scene: placed, with its material. `part` names it within the model, and
     /// `lines` has the line of each triangle, if the format has lines.
     pub(super) fn add(

@@ -86,8 +86,8 @@ impl Root {
         Ok(())
     }
 
-    /// Returns the file that one of several spellings of a name stands for, relative to `folder`. The first that exists as it
-    /// is counts, else in any case. Without one it is the bare file name in `folder`, as it is or in any case.
+    /// Returns the file that one of several spellings of a name stands for, relative to `folder`. That is the first that
+    /// exists as it is, else in any case. Failing that, it is the bare file name in `folder`, else that in any case.
     /// `shown` is the name in messages.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::assembly::Assembly;
 use super::indexed::{CURE, Indexed};
-use super::request::Request;
+use super::request::{Request, UNNAMED};
 use crate::scene::Material;
 use crate::system::files::read;
 use crate::system::memory;
@@ -43,7 +43,7 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
         };
         return Err(Error::file(path, message));
     }
-    let material = match request.material {
+    let material = match request.material.or_else(|| request.replacement(UNNAMED)) {
         Some(material) => material,
         None => assembly.add_material(Material::default())?,
     };

@@ -3,6 +3,7 @@
 mod body;
 mod build;
 mod camera;
+mod content;
 mod dispersion;
 mod environment;
 mod light;
@@ -17,6 +18,7 @@ mod validate;
 
 pub use body::Bodies;
 pub use camera::{Camera, Projection};
+pub use content::Content;
 pub use dispersion::Dispersion;
 pub use environment::Environment;
 pub use light::{Falloff, Light, LightKind, Spread};

@@ -1,5 +1,6 @@
 //! Odd and hostile input: every file gets a scene with counted warnings, or one line that names file, line and value.
 
+mod alone;
 mod files;
 mod material;
 mod model;

@@ -279,10 +279,11 @@ fn more_than_the_limits_allow_ends_with_exit_code_four() {
 
 #[test]
 fn a_ground_plane_and_a_stray_face_do_not_decide_the_camera() {
-    let mut house = String::new();
-    for i in 0..40 {
-        house += &format!("v {i} 0 0\nv {i} 10 0\nv {i} 0 10\nf -3 -2 -1\n");
-    }
+    let house_at = |z: i32| -> String {
+        let far = z + 10;
+        (0..40).map(|i| format!("v {i} 0 {z}\nv {i} 10 {z}\nv {i} 0 {far}\nf -3 -2 -1\n")).collect()
+    };
+    let house = house_at(0);
     let distance = |text: &str| {
         let camera = obj(text).unwrap().scene.camera;
         (camera.eye - camera.target).length()
@@ -291,7 +292,7 @@ fn a_ground_plane_and_a_stray_face_do_not_decide_the_camera() {
     let ground = "v -9e3 0 -9e3\nv 9e3 0 -9e3\nv 9e3 0 9e3\nv -9e3 0 9e3\nf -4 -1 -2 -3\n";
     assert_eq!(distance(&format!("{house}{ground}")), alone);
     assert_eq!(distance(&format!("{house}v 1e6 1e6 1e6\nv 1000001 1e6 1e6\nv 1e6 1000001 1e6\nf -3 -2 -1\n")), alone);
-    let two_houses = format!("{house}{}", house.replace(" 0 0\n", " 0 500\n").replace(" 10 0\n", " 10 500\n"));
+    let two_houses = format!("{house}{}", house_at(500));
     assert!(distance(&two_houses) > 2.0 * alone);
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
+use crate::cli::args::ModelArgs;
 use crate::cli::choice::levels;
 use crate::trial::RayKind;
 
@@ -30,6 +31,9 @@ pub(in crate::cli) struct BenchArgs {
     /// Scenes (.toml) or models (.obj)
     #[arg(required_unless_present = "sweep", value_name = "SCENE|MESH")]
     pub scenes: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Time whole pictures of the scenes instead of rays
     #[arg(long, conflicts_with_all = ["sweep", "rays", "size", "one_in", "builds", "html", "plot"])]

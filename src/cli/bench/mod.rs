@@ -12,8 +12,8 @@ use super::options::refuse_input;
 use super::verdict::Verdict;
 use super::{interrupt, output, progress, view};
 use crate::accel::embree;
+use crate::load::Loaded;
 use crate::load::shapes::{self, Wave};
-use crate::load::{self, LoadOptions, Loaded};
 use crate::measure::Machine;
 use crate::render::Observer;
 use crate::scene::Scene;
@@ -78,7 +78,7 @@ pub(super) fn run(job: &Bench) -> Result<Verdict> {
 
 /// Reads the shapes of one file.
 fn subject(path: &Path, job: &Bench) -> Result<BenchSubject> {
-    let Loaded { scene, .. } = load::scene(path, &LoadOptions::default())?;
+    let Loaded { scene, .. } = job.reading.load(path, false)?;
     if let Some(page) = &job.html {
         refuse_input("--html", page.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     }
@@ -93,7 +93,7 @@ fn subject(path: &Path, job: &Bench) -> Result<BenchSubject> {
 /// Times whole pictures.
 fn frames(job: &Bench, machine: Machine, observer: &Observer) -> Result<Verdict> {
     let load = |path: &PathBuf| -> Result<(String, Scene)> {
-        let Loaded { mut scene, .. } = load::scene(path, &LoadOptions::default())?;
+        let Loaded { mut scene, .. } = job.reading.load(path, false)?;
         scene.settings.samples = 1;
         Ok((name_of(path), scene))
     };

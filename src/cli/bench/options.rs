@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::args::BenchArgs;
-use crate::cli::options::refuse_input;
+use crate::cli::options::{Reading, refuse_input};
 use crate::image::Destination;
 use crate::trial::{BenchPlan, Picture, RayKind};
 use crate::{Error, Result};
@@ -12,6 +12,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub(in crate::cli) struct Bench {
     pub scenes: Vec<PathBuf>,
+    pub reading: Reading,
     pub plan: BenchPlan,
     /// True to time whole pictures instead of rays.
     pub frames: bool,
@@ -68,6 +69,7 @@ impl TryFrom<BenchArgs> for Bench {
             },
             sweep: args.sweep.unwrap_or_default(),
             scenes: args.scenes,
+            reading: args.model.into(),
             json: args.json,
             html,
             quiet: args.quiet,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 
-use crate::cli::args::{EffectArgs, StrictArg};
+use crate::cli::args::{EffectArgs, ModelArgs, StrictArg};
 use crate::cli::options::SmallPicture;
 
 /// List the effects that a scene needs, with reasons; with --measure, their cost.
@@ -21,6 +21,9 @@ whole picture relative to that without the effect (median over the rounds).
 pub(in crate::cli) struct ExplainArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Render with and without each effect
     #[arg(long)]

@@ -31,7 +31,7 @@ pub(super) fn run(job: &Explain) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
     backend::start_threads(&job.options)?;
-    let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &job.options, &observer)?;
+    let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &job.options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     let plan = EffectPlan::resolve(&scene, &job.options.effects);
     let measured = match job.rounds {

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use super::args::ExplainArgs;
-use crate::cli::options::{SmallPicture, effects};
+use crate::cli::options::{Reading, SmallPicture, effects};
 use crate::{Error, Result, render};
 
 /// A scene to explain.
 #[derive(Debug)]
 pub(in crate::cli) struct Explain {
     pub scene: PathBuf,
+    pub reading: Reading,
     /// Rounds of measurement; `None` for no measurement.
     pub rounds: Option<usize>,
     pub picture: SmallPicture,
@@ -31,6 +32,7 @@ impl TryFrom<ExplainArgs> for Explain {
         };
         Ok(Self {
             scene: args.scene,
+            reading: args.model.into(),
             rounds: args.measure.then_some(args.rounds as usize),
             picture: args.picture,
             options,

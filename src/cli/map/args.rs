@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 use glam::DVec3;
 
-use crate::cli::args::StrictArg;
+use crate::cli::args::{ModelArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, levels};
 use crate::scene::MapKind;
@@ -25,6 +25,9 @@ A scene takes a map as its environment: [environment] type = \"cube\", \"sphere\
 pub(in crate::cli) struct MapArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Place of the map, in the scene's coordinates
     #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true)]

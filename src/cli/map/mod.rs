@@ -25,7 +25,7 @@ pub(super) fn run(job: &Map) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
     backend::start_threads(&job.options)?;
-    let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &job.options, &observer)?;
+    let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &job.options, &observer)?;
     if !job.quiet {
         warnings.log();
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::args::MapArgs;
 use crate::cli::backend::Renderer;
-use crate::cli::options::{format_of, refuse_input};
+use crate::cli::options::{Reading, format_of, refuse_input};
 use crate::image::{Destination, Format};
 use crate::scene::MapKind;
 use crate::{Error, Result, render};
@@ -15,6 +15,7 @@ use crate::{Error, Result, render};
 #[derive(Debug)]
 pub(in crate::cli) struct Map {
     pub scene: PathBuf,
+    pub reading: Reading,
     /// In the scene's own coordinates.
     pub at: DVec3,
     pub kind: MapKind,
@@ -39,6 +40,7 @@ impl TryFrom<MapArgs> for Map {
         let format = format_of(&output)?;
         Ok(Self {
             scene: args.scene,
+            reading: args.model.into(),
             at: args.at,
             kind: args.kind,
             size: args.size,

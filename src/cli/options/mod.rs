@@ -4,6 +4,7 @@ pub(super) mod choices;
 pub(super) mod effects;
 pub(super) mod exposure;
 pub(super) mod picture;
+pub(super) mod reading;
 
 use std::path::Path;
 
@@ -11,6 +12,7 @@ use crate::image::{Destination, Format};
 use crate::{Error, Result};
 pub(super) use exposure::Exposure;
 pub(super) use picture::{Overrides, SmallPicture};
+pub(super) use reading::Reading;
 
 /// Devices and pipes seldom have an extension; they get PNG.
 pub(super) fn format_of(output: &Destination) -> Result<Format> {

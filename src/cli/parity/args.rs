@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
-use crate::cli::args::StrictArg;
+use crate::cli::args::{ModelArgs, StrictArg};
 use crate::cli::choice::{about, levels};
 use crate::cli::options::SmallPicture;
 use crate::trial::shown::{self, Ray};
@@ -31,6 +31,9 @@ Exits 1 if the native path is wrong anywhere.")]
 pub(in crate::cli) struct ParityArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Rays of each kind
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=16_777_216), default_value_t = 100_000)]

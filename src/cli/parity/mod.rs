@@ -32,7 +32,7 @@ pub(super) fn run(job: &Parity) -> Result<Verdict> {
     interrupt::listen(&observer)?;
     let options = render::Options { threads: job.threads, ..render::Options::default() };
     backend::start_threads(&options)?;
-    let (mut scene, warnings) = Warnings::survey(&job.scene, job.strict, &options, &observer)?;
+    let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     // One ray through the middle of each pixel, so that its value belongs to one ray.
     scene.settings.samples = 1;

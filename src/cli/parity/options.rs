@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use super::args::ParityArgs;
 use crate::accel::BuildQuality;
-use crate::cli::options::SmallPicture;
+use crate::cli::options::{Reading, SmallPicture};
 use crate::trial::shown::Ray;
 
 /// Paths to compare ray by ray.
 #[derive(Debug)]
 pub(in crate::cli) struct Parity {
     pub scene: PathBuf,
+    pub reading: Reading,
     /// Number of rays of each kind.
     pub rays: usize,
     /// A single ray to send instead, if given.
@@ -29,6 +30,7 @@ impl From<ParityArgs> for Parity {
     fn from(args: ParityArgs) -> Self {
         Self {
             scene: args.scene,
+            reading: args.model.into(),
             rays: args.rays as usize,
             ray: args.ray,
             picture: args.picture,

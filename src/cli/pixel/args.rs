@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use crate::cli::args::numbers::not_negative;
-use crate::cli::args::{OpticsArgs, SettingsArgs};
+use crate::cli::args::{ModelArgs, OpticsArgs, SettingsArgs};
 use crate::cli::backend::Renderer;
 
 /// Show the tree of rays behind one pixel, in f32 and in f64.
@@ -24,6 +24,9 @@ by a few ulps.")]
 pub(in crate::cli) struct PixelArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Column of the picture, from 0 at the left
     pub x: u32,

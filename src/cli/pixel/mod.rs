@@ -20,7 +20,7 @@ use super::verdict::Verdict;
 use super::{interrupt, output};
 use crate::accel::reference::Reference;
 use crate::accel::{Accel, BuildOptions};
-use crate::load::{self, LoadOptions, Loaded};
+use crate::load::Loaded;
 use crate::render::reference::Prepared;
 use crate::render::{self, Observer};
 use crate::scene::Scene;
@@ -31,13 +31,13 @@ use findings::{Findings, Side};
 pub(super) fn run(job: &Pixel) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let Loaded { mut scene, .. } = load::scene(&job.scene, &LoadOptions::default())?;
+    backend::start_threads(&job.options)?;
+    let Loaded { mut scene, .. } = job.reading.load(&job.scene, false)?;
     job.overrides.apply(&mut scene.settings)?;
     check(job, &scene)?;
     if let Some(svg) = &job.svg {
         refuse_input("--svg", svg.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     }
-    backend::start_threads(&job.options)?;
 
     let narrow = interrupt::heeded(|| narrow(job, &scene, &observer))?;
     Reference::need(&scene.geometry)?;

@@ -6,7 +6,7 @@ use super::args::PixelArgs;
 use crate::accel::Backend;
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::refraction;
-use crate::cli::options::{Overrides, refuse_input};
+use crate::cli::options::{Overrides, Reading, refuse_input};
 use crate::image::Destination;
 use crate::optics::RefractionModel;
 use crate::render;
@@ -16,6 +16,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub(in crate::cli) struct Pixel {
     pub scene: PathBuf,
+    pub reading: Reading,
     pub x: u32,
     pub y: u32,
     /// Sample to show, from 1; `None` for all.
@@ -54,6 +55,7 @@ impl TryFrom<PixelArgs> for Pixel {
         };
         Ok(Self {
             scene: args.scene,
+            reading: args.model.into(),
             x: args.x,
             y: args.y,
             sample: args.sample,

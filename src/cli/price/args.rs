@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
+use crate::cli::args::ModelArgs;
 use crate::cli::args::numbers::duration;
 use crate::cli::args::reflections::ReflectionsArgs;
 use crate::cli::backend::Renderer;
@@ -42,6 +43,9 @@ pub(in crate::cli) struct PriceArgs {
     /// Scene (.toml) or model (.obj)
     #[arg(required_unless_present_any = ["formulas", "reflections"], conflicts_with_all = ["formulas", "reflections"])]
     pub scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Folder for the report; created if missing
     #[arg(short, long, value_name = "DIR", required_unless_present = "formulas", conflicts_with = "formulas")]

@@ -11,7 +11,6 @@ use super::verdict::Verdict;
 use super::{backend, interrupt, output, progress, repeat};
 use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
-use crate::load::{self, LoadOptions};
 use crate::measure::Machine;
 use crate::measure::shell::quoted;
 use crate::render::{self, Observer};
@@ -24,9 +23,9 @@ use crate::{Error, Result};
 pub(super) fn run(job: Price) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    let mut scene = load::scene(&job.scene, &LoadOptions::default())?.scene;
-    scene.settings.samples = job.samples;
     backend::start_threads(&render::Options { threads: job.threads, ..render::Options::default() })?;
+    let mut scene = job.reading.load(&job.scene, false)?.scene;
+    scene.settings.samples = job.samples;
     let subject = Subject {
         scene: &scene,
         path: &job.scene,

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::args::PriceArgs;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::backend::Renderer;
+use crate::cli::options::Reading;
 use crate::study::Axis;
 use crate::{Error, Result};
 
@@ -13,6 +14,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub(in crate::cli) struct Price {
     pub scene: PathBuf,
+    pub reading: Reading,
     pub folder: PathBuf,
     pub limit: Duration,
     pub axes: Vec<Axis>,
@@ -42,6 +44,7 @@ impl TryFrom<PriceArgs> for Price {
         let axes = if args.axes.is_empty() { Axis::ALL.to_vec() } else { args.axes };
         Ok(Self {
             scene,
+            reading: args.model.into(),
             folder,
             limit: args.limit,
             axes,

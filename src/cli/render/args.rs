@@ -8,7 +8,7 @@ use clap::{Args, value_parser};
 use crate::accel::BuildQuality;
 use crate::accel::walk::TriangleModel;
 use crate::cli::args::numbers::{above_zero, bound, duration, exposure};
-use crate::cli::args::{EffectArgs, OpticsArgs, SettingsArgs, StrictArg};
+use crate::cli::args::{EffectArgs, ModelArgs, OpticsArgs, SettingsArgs, StrictArg};
 use crate::cli::backend::Renderer;
 use crate::cli::choice::{about, about_with, levels};
 use crate::image::Bits;
@@ -25,6 +25,8 @@ const MOST_MIRRORS: i64 = 10_000;
 #[command(after_help = "Examples:
   vitrum render scenes/glass.toml -o glass.png
   vitrum render bunny.obj --width 800 --height 600 --samples 3
+  vitrum render house.obj --up z --material window=thin:1.5 --material roof=metal:copper
+  vitrum render bunny.obj --eye 2,1,4 --target 0,1,0 --background '#202830' --light 3,5,4
   vitrum render scenes/glass.toml -o glass.exr --depth 40 --cutoff 0
   vitrum render scenes/glass.toml -o reference.exr --backend reference
   vitrum render scenes/glass.toml -o plain.png --no-fresnel-split
@@ -42,6 +44,9 @@ The summary goes to standard error, --json to standard output.")]
 pub(in crate::cli) struct RenderArgs {
     /// Scene (.toml) or model (.obj)
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// Picture to write: .png, .exr, .hdr or .pfm [default: the scene's name with .png, in this folder]
     #[arg(short, long, value_name = "FILE")]

@@ -34,15 +34,15 @@ use crate::{Error, Result};
 pub(super) fn run(mut job: Render) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
+    backend::start_threads(&job.options)?;
 
     let start = Instant::now();
-    let files = LoadOptions { strict: job.strict, camera: job.camera.clone(), ..LoadOptions::default() };
+    let files = LoadOptions { camera: job.camera.clone(), ..job.reading.options(&job.scene, job.strict)? };
     let Loaded { mut scene, report } = load::scene(&job.scene, &files)?;
     job.overrides.apply(&mut scene.settings)?;
     refuse_input("-o", job.output.name(), scene.textures.iter().map(|t| Path::new(&t.name)))?;
     let load_time = start.elapsed();
 
-    backend::start_threads(&job.options)?;
     let notices = notices::of_scene(&facts(&job, &scene, &report));
     if job.strict {
         warnings::refuse(&notices)?;

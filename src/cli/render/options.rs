@@ -7,7 +7,7 @@ use crate::accel::walk::TriangleModel;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::backend::Renderer;
 use crate::cli::options::choices::{no_hierarchy, refraction};
-use crate::cli::options::{Exposure, Overrides, effects, format_of, refuse_input};
+use crate::cli::options::{Exposure, Overrides, Reading, effects, format_of, refuse_input};
 use crate::effects::Effect;
 use crate::image::{Bits, Destination, Format};
 use crate::optics::{FresnelModel, RefractionModel};
@@ -22,6 +22,7 @@ use crate::{Error, Result, render};
 #[derive(Debug)]
 pub(in crate::cli) struct Render {
     pub scene: PathBuf,
+    pub reading: Reading,
     pub output: Destination,
     pub format: Format,
     pub bits: Bits,
@@ -110,6 +111,7 @@ impl TryFrom<RenderArgs> for Render {
         }
         Ok(Self {
             scene: args.scene,
+            reading: args.model.into(),
             output,
             format,
             bits: args.bits.unwrap_or_default(),

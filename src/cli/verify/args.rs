@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, value_parser};
 
 use crate::accel::BuildQuality;
-use crate::cli::args::StrictArg;
+use crate::cli::args::{ModelArgs, StrictArg};
 use crate::cli::choice::{PathArg, about, levels};
 use crate::trial::verify::Group;
 
@@ -25,6 +25,9 @@ Exits 1 if any case fails.")]
 pub(in crate::cli) struct VerifyArgs {
     /// Scene (.toml) or model (.obj) to test, instead of the built-in cases
     pub scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub model: ModelArgs,
 
     /// All the cases (minutes) instead of a sample of them (seconds)
     #[arg(long)]

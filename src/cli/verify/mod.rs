@@ -80,7 +80,7 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         None => None,
         Some(path) => {
             let options = render::Options { threads: job.threads, ..render::Options::default() };
-            let (scene, found) = Warnings::survey(path, job.strict, &options, &observer)?;
+            let (scene, found) = Warnings::survey((path, &job.reading), job.strict, &options, &observer)?;
             warnings = found;
             Some(scene)
         }

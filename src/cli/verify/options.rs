@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::args::VerifyArgs;
 use crate::accel::{Backend, BuildQuality};
 use crate::cli::choice::PathArg;
+use crate::cli::options::Reading;
 use crate::cli::options::choices::no_hierarchy;
 use crate::error::{Error, Result, Unavailable};
 use crate::trial::verify::{self, Group};
@@ -14,6 +15,7 @@ use crate::trial::verify::{self, Group};
 pub(in crate::cli) struct Verify {
     /// Scene to test; `None` for the built-in cases.
     pub scene: Option<PathBuf>,
+    pub reading: Reading,
     pub plan: verify::VerifyPlan,
     pub native: bool,
     /// True to test both modes of Embree, if it is compiled in.
@@ -59,6 +61,7 @@ impl TryFrom<VerifyArgs> for Verify {
         }
         Ok(Self {
             scene: args.scene,
+            reading: args.model.into(),
             plan: verify::VerifyPlan { groups, full: args.full, rays: None },
             native: args.backend.contains(&PathArg::Native),
             embree,

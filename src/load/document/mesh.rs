@@ -32,17 +32,23 @@ enum Kind {
     Box,
     Disc,
     Torus,
+    Cylinder,
+    Cone,
+    Capsule,
     Lathe,
     Heightfield,
     Grid,
 }
 
-const KINDS: [(&str, Kind); 8] = [
+const KINDS: [(&str, Kind); 11] = [
     ("sphere", Kind::Sphere),
     ("plane", Kind::Plane),
     ("box", Kind::Box),
     ("disc", Kind::Disc),
     ("torus", Kind::Torus),
+    ("cylinder", Kind::Cylinder),
+    ("cone", Kind::Cone),
+    ("capsule", Kind::Capsule),
     ("lathe", Kind::Lathe),
     ("heightfield", Kind::Heightfield),
     ("grid", Kind::Grid),
@@ -66,10 +72,15 @@ pub(super) fn mesh<'d>(
             let name = given
                 .unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()));
             let wrong = |e: String| reader.source.error(&place, format!("the transform of `{name}` {e}"));
+            let pairs = table.opt("materials", |v| v.table("materials")?.pairs())?.unwrap_or_default();
+            let mut replace = Vec::with_capacity(pairs.len());
+            for (name, value) in &pairs {
+                replace.push((name.clone(), names.material(value)?));
+            }
             let request = Request {
                 name: name.clone(),
                 material: table.opt("material", |v| names.material(v))?,
-                replace: &[],
+                replace: &replace,
                 smooth: table.opt("smooth", |v| {
                     v.number_where("an angle above 0 and up to 180 degrees", |x| x > 0.0 && x <= 180.0)
                 })?,
@@ -80,6 +91,9 @@ pub(super) fn mesh<'d>(
             };
             table.finish()?;
             let extras = Format::of(&path).unwrap_or(Format::Obj).load(&path, &request, assembly)?;
+            if let (Some(fault), Some(value)) = (request.not_replaced(&extras.names), table.get("materials")) {
+                return Err(value.error(fault));
+            }
             if extras.view.is_some() || !extras.lamps.is_empty() {
                 let lights = extras.lamps.len();
                 let what = format!("`{name}` without the camera and the lights ({lights}) of its file");
@@ -208,6 +222,23 @@ fn shape(kind: Kind, table: &Table<'_>, assembly: &mut Assembly<'_>, name: &str)
             let mut mesh = shapes::torus(major, minor, n);
             flat(&mut mesh)?;
             mesh.into()
+        }
+        Kind::Cylinder | Kind::Cone | Kind::Capsule => {
+            let (centre, radius) = (centre()?, radius()?);
+            let height = table.or("height", 1.0, Value::positive)?;
+            let n = steps(Some(64), |n| 4 * n)?.unwrap_or(64);
+            let profile = match kind {
+                Kind::Cylinder => shapes::cylinder(radius, height),
+                Kind::Cone => shapes::cone(radius, height),
+                _ => shapes::capsule(radius, height, n),
+            };
+            let more = (2 * u64::from(n)).saturating_mul(profile.len() as u64);
+            assembly.take_triangles(more)?;
+            let what = format!("`{name}` of up to {more} triangles");
+            memory::need(&what, more.saturating_mul(BYTES_A_TRIANGLE), "take a coarser tessellation")?;
+            let mut mesh = shapes::lathe(&profile, n, LATHE_CREASE).map_err(fail)?;
+            flat(&mut mesh)?;
+            place(mesh, Transform::from_parts(DVec3::ONE, DVec3::ZERO, centre))?
         }
         Kind::Lathe => {
             let value = table.need("profile")?;

@@ -34,6 +34,13 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded> {
     let mut assembly = Assembly::new(path, options)?;
     let reader = Reader { source: &source };
 
+    if let Some(table) = top.table("files")? {
+        for root in table.opt("roots", Value::list)?.unwrap_or_default() {
+            let folder = folder_of(path).join(root.text()?);
+            assembly.root.allow(&folder).map_err(|e| root.error(e.to_string()))?;
+        }
+        table.finish()?;
+    }
     let names = reader.materials(&top, &mut assembly)?;
     let camera = top.table("camera")?;
     if camera.is_none() {

@@ -14,6 +14,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::super::brief::brief;
+use crate::load::colour::colour;
 use crate::load::suggest::hint;
 use crate::load::transform::within_limit;
 use crate::{Error, Result};
@@ -85,6 +86,17 @@ impl<'d> Table<'d> {
     /// Reads the value of a key with `read`, or returns `default`.
     pub(super) fn or<T>(&self, key: &'static str, default: T, read: impl FnOnce(&Value<'d>) -> Result<T>) -> Result<T> {
         Ok(self.opt(key, read)?.unwrap_or(default))
+    }
+
+    /// Returns all keys with their values, of a table whose keys are names.
+    pub(super) fn pairs(&self) -> Result<Vec<(String, Value<'d>)>> {
+        let mut pairs: Vec<_> = self.entries.iter().collect();
+        pairs.sort_by_key(|(key, _)| key.span().start);
+        let value = |(key, value): (&'d Spanned<std::borrow::Cow<'d, str>>, &'d Spanned<DeValue<'d>>)| {
+            let key = key.get_ref().to_string();
+            (key.clone(), Value { source: self.source, key, value })
+        };
+        Ok(pairs.into_iter().map(value).collect())
     }
 
     /// Creates an error for the table as a whole.
@@ -303,8 +315,11 @@ impl<'d> Value<'d> {
         if self.value.get_ref().is_array() { self.triple() } else { self.number().map(DVec3::splat) }
     }
 
-    /// Reads a colour or a grey with no channel below 0.
+    /// Reads a colour or a grey with no channel below 0: numbers, or a text such as `#ff0000`.
     pub(super) fn colour(&self) -> Result<Vec3> {
+        if let Some(text) = self.value.get_ref().as_str() {
+            return colour(text).map_err(|e| self.error(format!("`{}`: {e}", self.key)));
+        }
         let c = self.one_or_three()?.as_vec3();
         if c.min_element() >= 0.0 { Ok(c) } else { Err(self.must(c, "at least 0 in every channel")) }
     }

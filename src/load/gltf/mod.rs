@@ -115,7 +115,7 @@ fn extras(document: &Document<'_>, tree: &Tree, assembly: &mut Assembly<'_>) -> 
             Error::file(document.path, format!("no camera is called `{name}`; {known}"))
         })?),
     };
-    Ok(Extras { view: view.map(|v| v.view), lamps })
+    Ok(Extras { view: view.map(|v| v.view), lamps, ..Extras::default() })
 }
 
 struct Reading<'r, 'd, 'p> {
@@ -195,6 +195,8 @@ impl Reading<'_, '_, '_> {
             draft.mesh.colours.clear();
         }
         let Some(material) = made.map(|m| m.material).or(self.request.material) else { return Ok(()) };
+        let replaced = self.request.replacement(&assembly.scene.materials[material as usize].name);
+        let material = replaced.filter(|_| made.is_some()).unwrap_or(material);
         let part = match mesh.primitives.len() {
             1 => name.to_owned(),
             _ => format!("{name}/{primitive}"),

@@ -5,11 +5,10 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::corner::{Corner, Field, Index, NONE, parse};
+use super::corner::{CURE, Corner, Face, Field, Index, NONE, parse};
 use super::lines::Lines;
 use super::notes::Notes;
 use super::number::{Spelled, narrow, wide};
-use super::scan::{CURE, Face};
 use super::text::{short, trimmed, without_comment, words};
 use crate::Error;
 use crate::load::Limits;

@@ -1,5 +1,8 @@
 //! Corners of faces: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 
+/// Cure for a model that exceeds the available memory.
+pub(super) const CURE: &str = "take a smaller model";
+
 /// Index of a missing attribute.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -21,6 +24,19 @@ impl Corner {
             Field::Normal => &mut self.vn,
         }
     }
+}
+
+/// Face of the file.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Face {
+    pub line: u32,
+    /// Corners, as a range of the list of corners.
+    pub first: u32,
+    pub count: u32,
+    /// Index into the list of names.
+    pub material: u32,
+    /// Smoothing group; 0 for none.
+    pub smooth: u32,
 }
 
 /// Attribute that a corner points at.

@@ -23,12 +23,12 @@ use std::path::{Path, PathBuf};
 
 use self::library::Library;
 use self::mtl::Made;
-use self::names::{cleaned, files, folded, split};
+use self::names::{cleaned, files, split};
 use self::scan::Scan;
 use self::text::{is_utf16, short, shown, unmarked};
 use super::assembly::Assembly;
 use super::holds;
-use super::request::Request;
+use super::request::{Request, UNNAMED};
 use super::source::folder_of;
 use crate::geometry::TriMesh;
 use crate::scene::{Colour, Material, Rgb};
@@ -60,7 +60,10 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
         }
         None => materials(path, &scan, request, assembly)?,
     };
-    let names = scan.uses.iter().skip(1).map(|(name, _)| shown(&cleaned(name))).collect();
+    let mut used = vec![false; scan.uses.len()];
+    scan.faces.iter().for_each(|f| used[f.material as usize] = true);
+    let named = std::iter::zip(&scan.uses, used).filter(|(_, used)| *used).map(|((name, _), _)| shown(&cleaned(name)));
+    let names = named.map(|n| if n.is_empty() { String::from(UNNAMED) } else { n }).collect();
     let dropped_before = assembly.reporter.dropped_so_far();
     let groups: Vec<u32> = made.iter().map(|m| m.place).collect();
     let parts = parts::parts(path, &scan, &groups, &mut assembly.reporter)?;
@@ -103,12 +106,7 @@ fn materials(path: &Path, scan: &Scan, request: &Request<'_>, assembly: &mut Ass
         scan.faces.iter().for_each(|f| used[f.material as usize] = true);
         used
     };
-    let replaced = |name: &[u8]| {
-        let folded = folded(name);
-        let same = |given: &str| shown(&cleaned(name)) == given;
-        let exact = request.replace.iter().find(|(given, _)| same(given));
-        exact.or_else(|| request.replace.iter().find(|(given, _)| given.to_lowercase() == folded)).map(|(_, m)| *m)
-    };
+    let replaced = |name: &[u8]| request.replacement(&shown(&cleaned(name)));
     let wanted: Vec<&[u8]> = std::iter::zip(&scan.uses, &used)
         .filter(|((name, _), used)| **used && !name.is_empty() && replaced(name).is_none())
         .map(|((name, _), _)| name.as_slice())

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::corner::{Corner, Field, NONE};
+use super::corner::{CURE, Corner, Field, NONE};
 use super::polygon::{MOST_CONCAVE_CORNERS, Refusal, triangulate};
-use super::scan::{CURE, Scan, beyond, usable};
+use super::scan::{Scan, beyond, usable};
 use crate::Result;
 use crate::geometry::TriMesh;
 use crate::load::draft::MeshDraft;

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::block::{Block, Fault, INHERITED, MOST_LIBRARIES, UNCOLOURED};
-use super::corner::{Corner, Field, NONE};
+use super::corner::{CURE, Corner, Face, Field, NONE};
 use super::lines::blocks;
 use crate::geometry::COORDINATE_LIMIT;
 use crate::image::linear_from_srgb;
@@ -18,24 +18,8 @@ use crate::load::report::Reporter;
 use crate::system::memory;
 use crate::{Error, Result};
 
-/// Cure for a model that exceeds the available memory.
-pub(super) const CURE: &str = "take a smaller model";
-
 /// Bytes of a block.
 const BLOCK: usize = 1 << 20;
-
-/// Face of the file.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Face {
-    pub line: u32,
-    /// Corners, as a range of [`Scan::corners`].
-    pub first: u32,
-    pub count: u32,
-    /// Index into [`Scan::uses`].
-    pub material: u32,
-    /// Smoothing group; 0 for none.
-    pub smooth: u32,
-}
 
 /// Content of an OBJ file.
 #[derive(Debug, Default)]

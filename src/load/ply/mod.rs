@@ -16,7 +16,7 @@ use self::numbers::{Entry, Numbers};
 use super::assembly::Assembly;
 use super::indexed::{CURE, Indexed};
 use super::obj::polygon::{Refusal, triangulate};
-use super::request::Request;
+use super::request::{Request, UNNAMED};
 use crate::image::linear_from_srgb;
 use crate::scene::{Colour, Material, Rgb};
 use crate::system::files::read;
@@ -63,7 +63,7 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     if mesh.mesh.triangles.is_empty() {
         return Err(Error::file(path, nothing(&header, vertices, faces)));
     }
-    let material = match request.material {
+    let material = match request.material.or_else(|| request.replacement(UNNAMED)) {
         Some(material) => {
             mesh.mesh.colours.clear();
             material

@@ -9,6 +9,7 @@ mod disc;
 mod grid;
 mod heightfield;
 mod lathe;
+mod profiles;
 mod revolve;
 mod sphere;
 mod torus;
@@ -18,6 +19,7 @@ pub use disc::disc;
 pub use grid::grid;
 pub use heightfield::{Wave, heightfield};
 pub use lathe::lathe;
+pub use profiles::{capsule, cone, cylinder};
 pub use sphere::sphere;
 pub use torus::torus;
 
