@@ -235,6 +235,7 @@ fn a_png_says_what_decided_its_pixels_and_nothing_else() {
         "refraction",
         "reflection",
         "shadows",
+        "lights-from",
         "exposure",
     ];
     assert_eq!(names, expected);

@@ -120,6 +120,7 @@ fn the_rim_of_the_window_is_where_the_critical_angle_is_met() {
     // What is above the water shines, what is below does not.
     scene.environment = vitrum::scene::Environment::Constant(vitrum::scene::Rgb::ONE);
     scene.lights.clear();
+    scene.settings.lights_from = vitrum::scene::LightsFrom::Lamps;
     let film = native(&scene);
     let prepared = reference::Prepared::new(&scene, Default::default());
     let critical = (1.0_f64 / 1.333_333_3).asin();

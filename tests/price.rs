@@ -190,7 +190,7 @@ fn what_is_left_out_is_said() {
     let left_out = study.report()["left_out"].to_string();
     assert!(left_out.contains("spheres: the scene has no exact sphere"), "{left_out}");
     for words in [
-        "fresnel polarised: --fresnel polarised does not work in scenes whose",
+        "fresnel polarised: polarisation is not possible in scenes whose media disperse light",
         "cutoff proven 1/64, cutoff proven 1/512, cutoff",
     ] {
         assert!(left_out.contains(words), "{words} in {left_out}");

@@ -107,6 +107,8 @@ fn camera(bounds: &Aabb, model: &ModelOptions, frame: Frame) -> Result<Camera> {
     let centre = if seen { (lo + hi) * 0.5 } else { DVec3::ZERO };
     let target = model.target.map_or(centre, |p| frame.local(p));
     let distance = 1.05 * if seen { radius } else { 1.0 } / (f64::from(vfov).to_radians() * 0.5).sin();
+    // Far enough for `f32` to tell the eye from a target at the origin.
+    let distance = distance.max(1e4 * f64::from(f32::MIN_POSITIVE));
     let eye = model.eye.map_or(target + TOWARDS_CAMERA.normalize() * distance, |p| frame.local(p));
     let (eye, target) = (eye.as_vec3(), target.as_vec3());
     let Some(view) = (target - eye).as_dvec3().try_normalize() else {

@@ -95,7 +95,7 @@ fn text(path: &Path, folder: &Path, scene: &Scene, model: &ModelOptions) -> Resu
     if let Some(angle) = model.smooth {
         let _ = writeln!(out, "smooth = {angle:?}");
     }
-    let scale = (scene.unit_exponent != 0).then(|| format!("scale = {:?}", unit.recip()));
+    let scale = (scene.unit_exponent != 0).then(|| format!("scale = {:?}", 1.0 / unit));
     let turn = (model.up == Up::Z).then(|| format!("rotate = {}", vector(model.up.turn())));
     let transform: Vec<String> = [scale, turn].into_iter().flatten().collect();
     if !transform.is_empty() {

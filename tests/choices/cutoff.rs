@@ -156,7 +156,10 @@ fn a_lamp_that_touches_what_it_lights_is_refused_with_the_names_of_both() {
     let refused = reference::render(&scene, &within(0.01), &Observer::default()).unwrap_err();
     assert_eq!(refused.exit_code(), 2);
     let message = refused.to_string();
-    assert!(message.contains("`bulb`") && message.contains("`object 3`") && message.contains("--cutoff"), "{message}");
+    assert!(
+        message.contains("`bulb`") && message.contains("`object 3`") && message.contains("proven cut-off"),
+        "{message}"
+    );
     assert!(!message.contains('\n'));
     // Without the square of the distance there is nothing to fear; nor where nothing answers to the lamp.
     scene.lights[0].falloff = Falloff::None;

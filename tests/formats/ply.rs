@@ -128,7 +128,7 @@ fn what_is_no_model_is_refused_with_the_reason() {
 
 #[test]
 fn a_material_of_the_scene_replaces_the_colours_of_a_model() {
-    let scene = "[[material]]\nname = \"red\"\ntype = \"diffuse\"\ncolour = [1, 0, 0]\n\
+    let scene = "[[material]]\nname = \"red\"\ntype = \"diffuse\"\ncolor = [1, 0, 0]\n\
                  [[mesh]]\nfile = \"a.ply\"\nmaterial = \"red\"\n";
     let loaded = Folder::new().with("a.ply", square("ascii")).with("a.toml", scene).load("a.toml").unwrap();
     assert!(mesh(&loaded, 0).colours.is_empty());

@@ -80,7 +80,7 @@ fn an_emissive_shape_beside_a_lamp_lights_nothing_unless_the_scene_says_so() {
         assert_eq!(kinds(&said), [""; 0], "{level}");
     }
     let plane = EMITTER
-        .replace("shape = \"sphere\"\ncenter = [1.5, 2, 0]\nradius = 0.3", "shape = \"plane\"\npoint = [0, 9, 0]");
+        .replace("shape = \"sphere\"\ncenter = [1.5, 2, 0]\nradius = 0.3", "shape = \"plane\"\npoint = [0, -9, 0]");
     let notice = only_notice(&scene(&(ENVIRONMENT.to_owned() + &plane)));
     assert_eq!(notice.id, "lights-nothing");
     assert!(notice.finding.because.contains("no bounds"), "{notice}");

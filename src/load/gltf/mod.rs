@@ -183,7 +183,9 @@ impl Reading<'_, '_, '_> {
         let draft = match known {
             Some(known) => known.clone(),
             None => {
-                let read = self.read(node, (mesh, primitive), made.and_then(|m| m.placement), name, assembly)?;
+                // A material that replaces the file's own may have a picture.
+                let placement = made.and_then(|m| m.placement).unwrap_or_default();
+                let read = self.read(node, (mesh, primitive), placement, name, assembly)?;
                 if !own {
                     self.known.insert((index, primitive), read.clone());
                 }
@@ -229,12 +231,12 @@ impl Reading<'_, '_, '_> {
         &mut self,
         node: &Node,
         (mesh, primitive): (&Mesh, usize),
-        placement: Option<texture::Placement>,
+        placement: texture::Placement,
         name: &str,
         assembly: &mut Assembly<'_>,
     ) -> Result<Option<MeshDraft>> {
         let weights = node.weights.as_ref().or(mesh.weights.as_ref()).map_or(&[][..], Vec::as_slice);
-        let read = primitive::read(self.document, &mesh.primitives[primitive], placement.as_ref(), weights);
+        let read = primitive::read(self.document, &mesh.primitives[primitive], &placement, weights);
         let mut read = match read {
             Ok(read) => read,
             Err(e) => {

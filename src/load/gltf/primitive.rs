@@ -33,7 +33,7 @@ pub(super) struct Read {
 pub(super) fn read(
     document: &Document<'_>,
     primitive: &Primitive,
-    placement: Option<&Placement>,
+    placement: &Placement,
     weights: &[f32],
 ) -> Result<Read, String> {
     let Checked::Valid(mode) = primitive.mode else { return Err(String::from("its mode is not known")) };
@@ -55,11 +55,9 @@ pub(super) fn read(
         }
         read.mesh.colours = list.into_iter().map(|[r, g, b, _]| DVec3::new(r, g, b).as_vec3()).collect::<Vec<Rgb>>();
     }
-    if let Some(placement) = placement {
-        let accessor = attribute(Semantic::TexCoords(placement.set));
-        if let Some(list) = optional::<2>(document, accessor, count, "texture coordinates", &mut remarks) {
-            read.mesh.uvs = list.into_iter().map(|uv| placement.place(uv)).collect();
-        }
+    let accessor = attribute(Semantic::TexCoords(placement.set));
+    if let Some(list) = optional::<2>(document, accessor, count, "texture coordinates", &mut remarks) {
+        read.mesh.uvs = list.into_iter().map(|uv| placement.place(uv)).collect();
     }
     morph(document, primitive, weights, &mut read.mesh, &mut remarks);
     read.binding = binding(document, primitive, count, &mut remarks);

@@ -23,6 +23,13 @@ pub(super) struct Placement {
     scale: [f64; 2],
 }
 
+/// The first set of texture coordinates, as it is.
+impl Default for Placement {
+    fn default() -> Self {
+        Self::new(0, None)
+    }
+}
+
 impl Placement {
     fn new(set: u32, transform: Option<Fields<'_>>) -> Self {
         let plain = Self { set, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };

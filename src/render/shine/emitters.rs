@@ -352,9 +352,11 @@ mod tests {
         Emitters::of(&scene).expect("it shines")
     }
 
+    /// A grid of places, each with numbers that pick emitters; as many numbers as places, for the shares of many small ones.
     fn cube_samples(n: u32) -> impl Iterator<Item = [f32; 3]> {
         let middle = move |k: u32| (k as f32 + 0.5) / n as f32;
-        (0..n * n * n).map(move |i| [middle(i % n), middle(i / n % n), middle(i / n / n)])
+        let picks = |i: u32| (f64::from(i) * 0.618_033_988_749_894_9).fract() as f32;
+        (0..n * n * n).map(move |i| [middle(i % n), middle(i / n % n), picks(i)])
     }
 
     /// Mean irradiance on a point with normal +y, by samples of the cube.
