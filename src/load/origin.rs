@@ -82,11 +82,11 @@ fn middle(extent: &Extent) -> DVec3 {
 
 /// Returns the exponent of the unit for a single model, whose lengths may all be scaled alike. It is that of the
 /// model's extent in two cases: areas or volumes in the world's unit would leave the range of `f32`, or lengths the
-/// range in which Embree finds hits. Otherwise it is 0.
+/// range in which Embree finds hits and keeps their digits. Otherwise it is 0.
 pub(super) fn unit_exponent(extents: &[Extent]) -> i32 {
     let size = extents.iter().fold(Extent::EMPTY, |all, e| all.union(*e)).size();
     let exponent = if size > 0.0 { size.log2().floor() as i32 } else { 0 };
-    if exponent.abs() > 36 { exponent } else { 0 }
+    if (-18..=36).contains(&exponent) { 0 } else { exponent }
 }
 
 /// Conversion between world coordinates and those of the scene.
