@@ -34,7 +34,7 @@ impl Ceiling {
     /// Computes the bounds of a scene at its depth limit.
     ///
     /// # Errors
-    /// Returns [`Error::Usage`] if no bound exists: a light with inverse-square falloff touches a surface that reflects
+    /// Returns [`Unsupported`] if no bound exists: a light with inverse-square falloff touches a surface that reflects
     /// it, or the bound overflows.
     pub fn of(scene: &Scene) -> Result<Self> {
         let ceiling = Self::with(scene, |number, object, material| of_base(scene, number, object, material))?;

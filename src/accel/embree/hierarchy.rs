@@ -52,11 +52,11 @@ impl Default for Scratch {
 
 impl Embree {
     /// Builds a hierarchy over the meshes and spheres of `geometry`. Planes are ignored;
-    /// [`Unbounded`](super::Unbounded) adds them.
+    /// [`Unbounded`](crate::accel::unbounded::Unbounded) adds them.
     ///
     /// # Errors
-    /// [`Unavailable`] if the library is missing or unfit, if a shape reaches beyond [`reach::MOST`], or if all meshes
-    /// lie within [`reach::LEAST`]; a limit if memory runs out.
+    /// [`Unavailable`](crate::error::Unavailable) if the library is missing or unfit, if a shape reaches beyond
+    /// [`reach::MOST`], or if all meshes lie within [`reach::LEAST`]; a limit if memory runs out.
     pub fn build(geometry: &[Geometry], options: &Options) -> Result<Self> {
         let library = Library::open(options.library.as_deref())?;
         Self::build_with(geometry, options, library, library.masks)

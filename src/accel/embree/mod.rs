@@ -1,4 +1,4 @@
-//! Embree 4 as an [`Intersector`], like the native path.
+//! Embree 4 as an [`Intersector`](crate::accel::Intersector), like the native path.
 //!
 //! The library is loaded at run time (`library.rs`). Packets are converted to its structs and hits back (`packet.rs`).
 //! Spheres use the native path's own test (`sphere.rs`). So only the traversal and the triangle test differ.

@@ -38,7 +38,7 @@ use crate::render::Observer;
 /// Runs the selected groups that test formulas alone.
 ///
 /// # Errors
-/// Returns [`Error::Interrupted`] soon after `observer.stop` is set.
+/// Returns [`Error::Interrupted`](crate::Error::Interrupted) soon after `observer.stop` is set.
 pub fn fire_at_optics(plan: &VerifyPlan, observer: &Observer) -> Result<Vec<GroupResult>> {
     let mut findings = Vec::new();
     for &group in plan.groups.iter().filter(|g| !g.is_of_path()) {
