@@ -24,11 +24,11 @@ pub(super) struct DoctorArgs {
 }
 
 /// Advice on the back end. README.md has the measurements.
-const CHOICE: &str = "--backend native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
+const CHOICE: &str = "--backend native takes less CPU time on most scenes (Embree takes 1.1 to 1.9 times as much); \
                       a build without the feature `embree` has it as its default";
 
 /// The same for builds without Embree.
-const CHOICE_WITHOUT: &str = "native takes less CPU time on most scenes (Embree takes 1.1 to 1.8 times as much); \
+const CHOICE_WITHOUT: &str = "native takes less CPU time on most scenes (Embree takes 1.1 to 1.9 times as much); \
                       a build with `--features embree` has --backend embree, too, as its default";
 
 /// Capabilities of this machine and this build, in the form of the JSON output.

@@ -80,9 +80,9 @@ fn middle(extent: &Extent) -> DVec3 {
     DVec3::new(round(middle.x), round(middle.y), round(middle.z))
 }
 
-/// Returns the exponent of the unit for a single model, whose lengths may all be scaled alike. It is that of the
-/// model's extent in two cases: areas or volumes in the world's unit would leave the range of `f32`, or lengths the
-/// range in which Embree finds hits and keeps their digits. Otherwise it is 0.
+/// Returns the exponent of the unit for a single model, whose lengths may all be scaled alike. It is 0 for models of ordinary
+/// size. It is the exponent of the model's extent if areas or volumes in the world's unit would leave the range of `f32`. It
+/// is so, too, if lengths would leave the range in which Embree finds hits and keeps their digits.
 pub(super) fn unit_exponent(extents: &[Extent]) -> i32 {
     let size = extents.iter().fold(Extent::EMPTY, |all, e| all.union(*e)).size();
     let exponent = if size > 0.0 { size.log2().floor() as i32 } else { 0 };

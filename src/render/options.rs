@@ -20,7 +20,7 @@ crate::choice! {
         "sphere-map" => SphereMap,
         /// Cube map of each reflector's surroundings, taken from its centre.
         "cube-map" => CubeMap,
-        /// Virtual scene behind each mirror ball, after Ofek and Rappoport; reflected rays elsewhere.
+        /// Virtual scene behind each curved mirror, a ball or a smooth mesh, after Ofek and Rappoport; reflected rays elsewhere.
         "virtual" => Virtual,
         /// Rays of the camera's mirror image, in planar mirrors that it sees; reflected rays elsewhere.
         "planar" => Planar,

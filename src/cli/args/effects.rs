@@ -37,7 +37,7 @@ impl Args for EffectArgs {
     fn augment_args(command: Command) -> Command {
         let choice =
             Arg::new("effects").long("effects").value_name("auto|all|LIST").help_heading(HEADING).help(
-                "What the scene calls for, the same by code that knows everything, or these alone [default: auto]",
+                "auto: effects the scene needs. all: every effect compiled in (same picture). LIST: only these [default: auto]",
             );
         Effect::ALL.iter().fold(command.arg(choice), |command, effect| {
             // The parser keeps names for the program's lifetime.

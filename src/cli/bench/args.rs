@@ -28,7 +28,7 @@ narrow spreads.
 With --frames whole pictures of the scenes are timed by turns, in the size of
 the scene with one ray per pixel; building is not part of their time.")]
 pub(in crate::cli) struct BenchArgs {
-    /// Scenes (.toml) or models (.obj)
+    /// Scenes (.toml) or models (.obj, .gltf, .glb, .ply, .stl)
     #[arg(required_unless_present = "sweep", value_name = "SCENE|MESH")]
     pub scenes: Vec<PathBuf>,
 

@@ -19,7 +19,7 @@ is on, in rounds that begin with the whole picture. `time` is the time of the
 whole picture relative to that without the effect (median over the rounds).
 `rmse` and `pixels` are the changes of the picture, in linear light.")]
 pub(in crate::cli) struct ExplainArgs {
-    /// Scene (.toml) or model (.obj)
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl)
     pub scene: PathBuf,
 
     #[command(flatten)]

@@ -12,7 +12,7 @@ use crate::cli::args::{ModelArgs, StrictArg};
   vitrum info bunny.obj
   vitrum info house.obj --json")]
 pub(in crate::cli) struct InfoArgs {
-    /// Model (.obj, .ply, .stl) or scene (.toml)
+    /// Model (.obj, .gltf, .glb, .ply, .stl) or scene (.toml)
     pub scene: PathBuf,
 
     #[command(flatten)]

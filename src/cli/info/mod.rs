@@ -119,7 +119,8 @@ impl Info {
         let mut out = format!("{}\n", self.file);
         // Writing to a string cannot fail.
         if let Some([lo, hi]) = self.bounds {
-            let _ = writeln!(out, "bounds     {lo:?} to {hi:?}");
+            let [lo, hi] = [lo, hi].map(|corner| corner.map(shortest).join(", "));
+            let _ = writeln!(out, "bounds     [{lo}] to [{hi}]");
         }
         let _ = writeln!(out, "triangles  {}", self.triangles);
         for o in &self.objects {
@@ -145,6 +146,12 @@ impl Info {
         }
         out
     }
+}
+
+/// Returns a coordinate with the digits that its precision needs.
+fn shortest(x: f64) -> String {
+    let narrow = x as f32;
+    if f64::from(narrow) == x { format!("{narrow:?}") } else { format!("{x:?}") }
 }
 
 fn surface(interface: &Interface) -> &'static str {

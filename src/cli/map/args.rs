@@ -23,7 +23,7 @@ latlong  the middle column is towards -z, u = 0.75 is +x, the top row is +y
 A scene takes a map as its environment: [environment] type = \"cube\", \"sphere\" or
 \"latlong\", file = \"map.exr\". Values are linear radiance; .exr and .pfm keep them.")]
 pub(in crate::cli) struct MapArgs {
-    /// Scene (.toml) or model (.obj)
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl)
     pub scene: PathBuf,
 
     #[command(flatten)]

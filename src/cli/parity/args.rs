@@ -29,7 +29,7 @@ may pass there. With --ray one ray is traced by every path, and no picture is
 made; reports print the option for each wrong ray.
 Exits 1 if the native path is wrong anywhere.")]
 pub(in crate::cli) struct ParityArgs {
-    /// Scene (.toml) or model (.obj)
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl)
     pub scene: PathBuf,
 
     #[command(flatten)]

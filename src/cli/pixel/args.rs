@@ -22,7 +22,7 @@ absorbed, the light or the occluder of each lamp, and the weight cut off. A
 pixel is `ill-conditioned` if its f64 value changes when its camera ray moves
 by a few ulps.")]
 pub(in crate::cli) struct PixelArgs {
-    /// Scene (.toml) or model (.obj)
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl)
     pub scene: PathBuf,
 
     #[command(flatten)]

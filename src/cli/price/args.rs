@@ -40,7 +40,7 @@ With --formulas no picture is made. Each formula is timed in eight lanes, in one
 and in f64, and compared with an oracle of twice the digits of f64. The errors
 are the same in every run.")]
 pub(in crate::cli) struct PriceArgs {
-    /// Scene (.toml) or model (.obj)
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl)
     #[arg(required_unless_present_any = ["formulas", "reflections"], conflicts_with_all = ["formulas", "reflections"])]
     pub scene: Option<PathBuf>,
 

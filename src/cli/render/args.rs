@@ -20,14 +20,14 @@ use crate::systems::maps::Proxy;
 /// Largest number of mirrors in a row, as that of a ray's depth.
 const MOST_MIRRORS: i64 = 10_000;
 
-/// Render a scene file or an OBJ model to a picture.
+/// Render a scene file or a model to a picture.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   vitrum render scenes/glass.toml -o glass.png
   vitrum render bunny.obj --width 800 --height 600 --samples 3
   vitrum render house.obj --up z --material window=thin:1.5 --material roof=metal:copper
   vitrum render bunny.obj --eye 2,1,4 --target 0,1,0 --background '#202830' --light 3,5,4
-  vitrum render scenes/glass.toml -o glass.exr --depth 40 --cutoff 0
+  vitrum render scenes/glass.toml -o glass.exr --depth 128 --cutoff 0
   vitrum render scenes/glass.toml -o reference.exr --backend reference
   vitrum render scenes/glass.toml -o plain.png --no-fresnel-split
   vitrum render scenes/glass.toml -o proven.png --cutoff-error 0.002
@@ -42,7 +42,7 @@ const MOST_MIRRORS: i64 = 10_000;
 The same command gives the same bytes for any number of threads and any tile size.
 The summary goes to standard error, --json to standard output.")]
 pub(in crate::cli) struct RenderArgs {
-    /// Scene (.toml) or model (.obj)
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl)
     pub scene: PathBuf,
 
     #[command(flatten)]

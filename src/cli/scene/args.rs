@@ -15,7 +15,7 @@ use crate::cli::args::{ModelArgs, StrictArg};
 The file holds the fitted camera, the lights and the sky that `vitrum render
 MODEL` takes, and gives the same picture.")]
 pub(in crate::cli) struct SceneArgs {
-    /// Model (.obj, .ply, .stl)
+    /// Model (.obj, .gltf, .glb, .ply, .stl)
     pub model: PathBuf,
 
     /// Scene file to write: .toml

@@ -23,7 +23,7 @@ With one: rays at its corners and edges, judged by the f64 arbiter, and faulty
 triangles, each with its line in the file.
 Exits 1 if any case fails.")]
 pub(in crate::cli) struct VerifyArgs {
-    /// Scene (.toml) or model (.obj) to test, instead of the built-in cases
+    /// Scene (.toml) or model (.obj, .gltf, .glb, .ply, .stl) to test, instead of the built-in cases
     pub scene: Option<PathBuf>,
 
     #[command(flatten)]
