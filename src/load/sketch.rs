@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::bare::{ModelOptions, Up};
 use super::source::folder_of;
+use super::transform::SCALE_LIMIT;
 use super::{LoadOptions, LoadReport, Loaded};
 use crate::scene::{Environment, Falloff, LightKind, Projection, Rgb, Scene};
 use crate::{Error, Result};
@@ -44,6 +45,12 @@ fn text(path: &Path, folder: &Path, scene: &Scene, model: &ModelOptions) -> Resu
     let sky = model.environment.as_deref().map(&mut file).transpose()?;
     // A model of an extreme size has a unit of its own, which its scene has as a scale.
     let unit = scene.unit();
+    if !(1.0 / SCALE_LIMIT..=SCALE_LIMIT).contains(&unit) {
+        return Err(Error::Usage(format!(
+            "{}: is too large or too small for a scene file, which scales by 1e-15 to 1e15; scale the model",
+            path.display()
+        )));
+    }
     let place = |p: glam::Vec3| vector(scene.world(p.as_dvec3()) / unit);
     let mut out = format!("# The scene of {}, as `vitrum scene` wrote it.\n", path.display());
     // Writing to a string cannot fail.
@@ -53,9 +60,11 @@ fn text(path: &Path, folder: &Path, scene: &Scene, model: &ModelOptions) -> Resu
     let camera = &scene.camera;
     let _ = writeln!(out, "\n[camera]\neye = {}\ntarget = {}", place(camera.eye), place(camera.target));
     let _ = writeln!(out, "up = {}", vector(camera.up.as_dvec3()));
-    if let Projection::Pinhole { vfov } = camera.projection {
-        let _ = writeln!(out, "fov = {vfov:?}");
-    }
+    let _ = match camera.projection {
+        Projection::Pinhole { vfov } => writeln!(out, "fov = {vfov:?}"),
+        Projection::Orthographic { height } => writeln!(out, "projection = \"orthographic\"\nheight = {height:?}"),
+        Projection::Map(_) => Ok(()),
+    };
     let _ = match (&scene.environment, sky) {
         (Environment::Gradient { nadir, horizon, zenith }, _) => writeln!(
             out,
@@ -78,7 +87,16 @@ fn text(path: &Path, folder: &Path, scene: &Scene, model: &ModelOptions) -> Resu
                 let direction = super::model::direction_of(&light.name).unwrap_or(direction.as_dvec3());
                 writeln!(out, "type = \"directional\"\ndirection = {}", vector(direction))
             }
-            _ => Ok(()),
+            LightKind::Spot { position, direction, cos_inner, cos_outer } => writeln!(
+                out,
+                "type = \"spot\"\nposition = {}\ndirection = {}\ninner = {:?}\nouter = {:?}",
+                place(position),
+                vector(direction.as_dvec3()),
+                degrees(cos_inner),
+                degrees(cos_outer)
+            ),
+            // Models have no others.
+            LightKind::Sphere { .. } | LightKind::Rectangle { .. } => Ok(()),
         };
         let _ = writeln!(out, "intensity = {}", rgb(light.intensity));
         if light.falloff == Falloff::None {
@@ -116,6 +134,11 @@ fn absolute(path: &Path) -> Result<PathBuf> {
 /// Returns a text as TOML has it.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// Returns the half angle of a cone, in degrees.
+fn degrees(cos: f32) -> f64 {
+    f64::from(cos).clamp(0.0, 1.0).acos().to_degrees()
 }
 
 fn vector(v: DVec3) -> String {

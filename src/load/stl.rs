@@ -29,7 +29,8 @@ pub(super) fn load(path: &Path, request: &Request<'_>, assembly: &mut Assembly<'
     let dropped_before = assembly.reporter.dropped_so_far();
     let what = format!("the triangles of {}", path.display());
     memory::need(&what, (bytes.len() / TRIANGLE) as u64 * BYTES_A_TRIANGLE, CURE)?;
-    let soup = if is_ascii(&bytes) { ascii(path, &bytes, assembly)? } else { binary(path, &bytes, assembly)? };
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
+    let soup = if is_ascii(text) { ascii(path, text, assembly)? } else { binary(path, &bytes, assembly)? };
     drop(bytes);
     let faces = soup.mesh.triangles.len();
     assembly.take_triangles(faces as u64)?;
@@ -124,11 +125,13 @@ fn binary(path: &Path, bytes: &[u8], assembly: &mut Assembly<'_>) -> Result<Soup
 fn ascii(path: &Path, bytes: &[u8], assembly: &mut Assembly<'_>) -> Result<Soup> {
     let mut soup = Soup::default();
     let mut corners: Vec<DVec3> = Vec::new();
+    let mut open = true;
     // Lines end in LF or CR LF; files of old programs may have CR alone.
     let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     for (number, line) in (1_u32..).zip(bytes.split(|&b| b == end)) {
         let mut words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         let Some(first) = words.next() else { continue };
+        open = !first.eq_ignore_ascii_case(b"endsolid");
         if first.eq_ignore_ascii_case(b"vertex") {
             let mut next = || {
                 let word = words.next().and_then(|w| std::str::from_utf8(w).ok());
@@ -150,6 +153,9 @@ fn ascii(path: &Path, bytes: &[u8], assembly: &mut Assembly<'_>) -> Result<Soup>
     }
     if !corners.is_empty() {
         assembly.reporter.warn(path, 0, "the file ends within a facet, which is left out", String::new)?;
+    } else if open && !soup.mesh.triangles.is_empty() {
+        let kind = "the file ends without `endsolid`; it may be cut short";
+        assembly.reporter.warn(path, 0, kind, String::new)?;
     }
     Ok(soup)
 }

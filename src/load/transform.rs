@@ -7,7 +7,7 @@ use super::extent::FAR;
 use crate::geometry::{COORDINATE_LIMIT, Plane, TriMesh};
 
 /// Limit on the column lengths of a transform: between one over this and this.
-const SCALE_LIMIT: f64 = 1e15;
+pub(super) const SCALE_LIMIT: f64 = 1e15;
 /// Share of the box of its column lengths below which the volume of a transform counts as singular.
 const SINGULAR: f64 = 1e-10;
 /// Largest relative deviation of columns from equal lengths and right angles for a sphere to stay a sphere.

@@ -233,6 +233,45 @@ fn lights_keep_their_units_and_replace_the_default_ones() {
 }
 
 #[test]
+fn the_scene_file_of_a_model_keeps_its_spot_light_and_its_parallel_camera() {
+    let lights = json!({ "lights": [
+        { "type": "spot", "intensity": 7, "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.3 } }
+    ] });
+    let nodes = json!([
+        { "mesh": 0, "children": [1, 2] },
+        { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [0, 4, 0] },
+        { "camera": 0, "translation": [0, 0, 7] }
+    ]);
+    let cameras = json!([{ "type": "orthographic", "orthographic": { "xmag": 2, "ymag": 3, "znear": 0, "zfar": 9 } }]);
+    let model = square().with("nodes", nodes).with("cameras", cameras);
+    let model = model.with("extensions", json!({ "KHR_lights_punctual": lights }));
+    let folder = Folder::new().with("a.gltf", model.text());
+    let own = folder.load("a.gltf").unwrap().scene;
+    let (text, _) = load::sketch(&folder.path("a.gltf"), &folder.path(""), &LoadOptions::default()).unwrap();
+    let written = folder.with("a.toml", &text).load("a.toml").unwrap().scene;
+    assert_eq!((&written.camera, &written.lights[0].kind), (&own.camera, &own.lights[0].kind), "{text}");
+    assert_eq!((written.lights.len(), written.lights[0].intensity), (1, own.lights[0].intensity));
+}
+
+#[test]
+fn alpha_holds_for_unlit_surfaces_and_costs_others_their_reflection_with_a_warning() {
+    let of = |extensions: Value| {
+        of_material(json!({
+            "alphaMode": "BLEND",
+            "pbrMetallicRoughness": { "baseColorFactor": [0.25, 0.5, 1, 0.5], "metallicFactor": 1, "roughnessFactor": 0 },
+            "extensions": extensions
+        }))
+    };
+    let half = Interface::Alpha { opacity: 0.5, mask: None };
+    let unlit = of(json!({ "KHR_materials_unlit": {} }));
+    assert_eq!(only_material(&unlit).interface, half);
+    assert_eq!(only_material(&unlit).emission, Rgb::new(0.25, 0.5, 1.0));
+    let metal = of(json!({}));
+    assert_eq!(only_material(&metal).interface, half);
+    warns(&metal, "the reflection of a material with alpha is left out");
+}
+
+#[test]
 fn transmission_with_a_thickness_is_a_solid_that_absorbs_and_without_one_a_pane() {
     let material = |volume: Value| {
         json!({

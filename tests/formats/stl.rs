@@ -59,6 +59,18 @@ fn a_word_that_is_no_number_costs_its_facet_only() {
 }
 
 #[test]
+fn a_text_that_ends_early_is_told_and_a_byte_order_mark_is_no_part_of_it() {
+    let whole = ascii();
+    let without_end = whole.trim_end().strip_suffix("endsolid").unwrap();
+    let loaded = load_as("a.stl", without_end).unwrap();
+    assert_eq!(mesh(&loaded, 0).triangles.len(), 4);
+    warns(&loaded, "ends without `endsolid`");
+    let marked = load_as("a.stl", format!("\u{feff}{whole}")).unwrap();
+    assert_eq!(mesh(&marked, 0).triangles.len(), 4);
+    assert!(marked.report.warnings.is_empty());
+}
+
+#[test]
 fn what_is_no_model_is_refused_with_the_reason() {
     refused(load_as("a.stl", "solid nothing\nendsolid\n"), "no facet");
     refused(load_as("a.stl", "version https"), "fewer than a header");

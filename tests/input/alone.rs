@@ -106,6 +106,8 @@ fn a_scene_replaces_one_material_of_a_model_and_the_others_stay() {
     assert_eq!(names, ["body", "gold"]);
     let wrong = scene.replace("lid =", "cork =");
     refused(jar().with("a.toml", wrong).load("a.toml"), 2, &["a.toml:7:", "`cork`", "`body`, `lid`"]);
+    let both = scene.replace("materials =", "material = 'gold'\nmaterials =");
+    refused(jar().with("a.toml", both).load("a.toml"), 2, &["a.toml:8:", "`material`", "not both"]);
     let unknown = scene.replace("= 'gold' }", "= 'silver' }");
     refused(jar().with("a.toml", unknown).load("a.toml"), 2, &["a.toml:7:", "`silver`"]);
 }

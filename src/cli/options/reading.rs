@@ -43,6 +43,10 @@ impl Reading {
                 file.display()
             )));
         }
+        let names = self.model.materials.iter().map(|(name, _)| name);
+        if let Some(name) = names.clone().enumerate().find_map(|(i, name)| names.clone().take(i).find(|n| *n == name)) {
+            return Err(Error::Usage(format!("--material: `{name}` is given twice; give each material once")));
+        }
         let (model, allow_outside) = (self.model.clone(), self.allow_outside.clone());
         Ok(LoadOptions { strict, model, allow_outside, ..LoadOptions::default() })
     }

@@ -73,6 +73,11 @@ pub(super) fn mesh<'d>(
                 .unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned()));
             let wrong = |e: String| reader.source.error(&place, format!("the transform of `{name}` {e}"));
             let pairs = table.opt("materials", |v| v.table("materials")?.pairs())?.unwrap_or_default();
+            if let (Some(_), Some(value)) = (table.get("material"), table.get("materials")) {
+                return Err(
+                    value.error("a mesh has either a `material` for all of it, or `materials` by name, not both")
+                );
+            }
             let mut replace = Vec::with_capacity(pairs.len());
             for (name, value) in &pairs {
                 replace.push((name.clone(), names.material(value)?));

@@ -115,10 +115,20 @@ impl<'d, 'p> Materials<'d, 'p> {
             surface.emission = base * surface.mean;
             surface.glow = surface.picture.zip(texture).map(|(picture, t)| (picture.texture, base, t.placement));
             diffuse = DVec3::ZERO;
+            if let Some((opacity, mask)) = opacity {
+                interface = Interface::Alpha { opacity: opacity as f32, mask };
+            }
         } else if surface.transmission > 0.0 {
             interface = self.transparent(given, &surface, assembly)?;
+            if opacity.is_some() {
+                self.warn(assembly, "the alpha of a material that transmits light is left out", &surface.name)?;
+            }
         } else if let Some((opacity, mask)) = opacity {
             interface = Interface::Alpha { opacity: opacity as f32, mask };
+            let reflects = m * (1.0 - r) >= LEAST_MIRROR || surface.reflected * (1.0 - r) >= LEAST_COAT;
+            if reflects {
+                self.warn(assembly, "the reflection of a material with alpha is left out", &surface.name)?;
+            }
         } else if m * (1.0 - r) >= LEAST_MIRROR {
             let reflectance = base * surface.mean * m * (1.0 - r);
             interface = Interface::Mirror { reflectance: rgb(reflectance), source: MirrorSource::Traced };
