@@ -56,13 +56,14 @@ fn places(row: &Row) -> String {
 fn table(study: &Reflections) -> String {
     let mut text = String::from(
         "<section><h2>All of them</h2><div class=\"scroll\"><table><thead><tr><th>system</th><th>scene</th><th>time over \
-         traced</th><th>rmse</th><th>largest</th><th>pixels off by 1/255</th><th>at edges</th><th>where</th></tr></thead><tbody>\n",
+         traced</th><th>rmse</th><th>largest</th><th>pixels off by 1/255</th><th>at edges</th><th class=\"prose\">where</th></tr></thead><tbody>\n",
     );
     for row in &study.rows {
         let Row { system, scene, errors, at_edges, .. } = row;
         _ = writeln!(
             text,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2e}</td><td>{:.3}</td><td>{:.2} %</td><td>{:.0} %</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2e}</td><td>{:.3}</td><td>{:.2} %</td><td>{:.0} %</td>\
+             <td class=\"prose\">{}</td></tr>",
             escaped(system),
             escaped(scene),
             ratio(row),
