@@ -48,8 +48,8 @@ impl<R: Real> Boundary<R> {
     /// Computes the crossing of a ray with the cosine `cos_i`. It is clamped to 0..=1, so that all later formulas use
     /// the same cosine. NaN counts as 0, at which all light is reflected.
     ///
-    /// Where products are fused ([`crate::math::FUSED`]), `b` is within 1.5 ulp of the exact value down to the critical
-    /// angle. Elsewhere rounding of `cos_i^2` causes an error of up to `2^-25 cos_i^2 / b`. Total reflection is decided
+    /// With fused products ([`crate::math::FUSED`]), `b` is within 1.5 ulp of the exact value down to the critical
+    /// angle. Without them, rounding of `cos_i^2` causes an error of up to `2^-25 cos_i^2 / b`. Total reflection is decided
     /// by the same difference, exact to about 2^-48 where products are fused and 2^-24 elsewhere.
     #[inline(always)]
     #[must_use]

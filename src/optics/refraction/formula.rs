@@ -30,12 +30,16 @@ pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
     }
 
     /// Returns the refracted direction of `incident` at `normal`, with `at = boundary.cross(-(incident . normal))`. The
-    /// notes' formulas use only the cosine of it, so that their time includes their own square root.
+    /// notes' formulas use only the cosine of it, so that their time includes their own square root. Formulas without one of
+    /// their own refract by the stable form ([`Boundary::refract`]).
+    #[inline(always)]
     fn refract<R: Real>(
         self,
         boundary: &Boundary<R>,
         incident: Vector3<R>,
         normal: Vector3<R>,
         at: &Crossing<R>,
-    ) -> Refracted<R>;
+    ) -> Refracted<R> {
+        Refracted { direction: boundary.refract(incident, normal, at), total: at.total }
+    }
 }

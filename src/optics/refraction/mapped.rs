@@ -1,9 +1,6 @@
 //! Refraction that ends in an environment map.
 
-use super::formula::{Refracted, RefractionFormula};
-use super::stable::Stable;
-use crate::math::{Real, Vector3};
-use crate::optics::boundary::{Boundary, Crossing};
+use super::formula::RefractionFormula;
 
 /// One bend by Snell's law where light enters a body. A map of the body's surroundings is looked up in the direction of
 /// the bent light. Its way out of the body is left out.
@@ -17,30 +14,8 @@ pub struct MapTwo;
 
 impl RefractionFormula for MapOne {
     const MAPPED: u32 = 1;
-
-    #[inline(always)]
-    fn refract<R: Real>(
-        self,
-        boundary: &Boundary<R>,
-        incident: Vector3<R>,
-        normal: Vector3<R>,
-        at: &Crossing<R>,
-    ) -> Refracted<R> {
-        Stable.refract(boundary, incident, normal, at)
-    }
 }
 
 impl RefractionFormula for MapTwo {
     const MAPPED: u32 = 2;
-
-    #[inline(always)]
-    fn refract<R: Real>(
-        self,
-        boundary: &Boundary<R>,
-        incident: Vector3<R>,
-        normal: Vector3<R>,
-        at: &Crossing<R>,
-    ) -> Refracted<R> {
-        Stable.refract(boundary, incident, normal, at)
-    }
 }

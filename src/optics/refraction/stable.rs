@@ -11,18 +11,7 @@ use crate::optics::boundary::{Boundary, Crossing};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stable;
 
-impl RefractionFormula for Stable {
-    #[inline(always)]
-    fn refract<R: Real>(
-        self,
-        boundary: &Boundary<R>,
-        incident: Vector3<R>,
-        normal: Vector3<R>,
-        at: &Crossing<R>,
-    ) -> Refracted<R> {
-        Refracted { direction: boundary.refract(incident, normal, at), total: at.total }
-    }
-}
+impl RefractionFormula for Stable {}
 
 /// The direction of incidence, as if there were no boundary. Never total.
 #[derive(Clone, Copy, Debug, Default)]
