@@ -118,12 +118,13 @@ pub(super) struct Traced {
     pub lanes: Option<TestCounts>,
 }
 
-/// Starts rayon's own threads, which build hierarchies, once for the whole program.
+/// Starts rayon's own threads, which parse models and build hierarchies, once for the whole program. 0 means one per
+/// processor.
 ///
 /// # Errors
 /// A limit if they cannot be started.
-pub(super) fn start_threads(options: &Options) -> Result<()> {
-    threads::start_global_pool(options.thread_count())
+pub(super) fn start_threads(threads: usize) -> Result<()> {
+    threads::start_global_pool(threads::count(threads))
 }
 
 /// Builds the hierarchy and renders. If `exposure` is given, also searches for missing light that is visible in the

@@ -2,9 +2,11 @@
 //! closed.
 
 use std::io::{self, Write as _};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::wording;
+use crate::image::Destination;
 use crate::{Error, Result};
 
 /// Writes a line to standard error. A failure is ignored, since it cannot be reported.
@@ -44,7 +46,30 @@ pub(super) fn print(text: &str) -> Result<()> {
 /// # Errors
 /// As [`print`].
 pub(super) fn print_json(value: &impl serde::Serialize) -> Result<()> {
-    let text =
-        serde_json::to_string_pretty(value).map_err(|e| Error::io("standard output", "write", io::Error::other(e)))?;
-    print(&(text + "\n"))
+    print(&json(value, Path::new("standard output"))?)
+}
+
+/// Returns a value as JSON with a final line end, for the file or stream of this name.
+///
+/// # Errors
+/// Io, if the value cannot be written as JSON.
+fn json(value: &impl serde::Serialize, name: &Path) -> Result<String> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Error::io(name, "write", io::Error::other(e)))?;
+    Ok(text + "\n")
+}
+
+/// Writes a file: all of it, or none.
+///
+/// # Errors
+/// As [`Destination::write`].
+pub(super) fn save(file: &Path, bytes: &[u8]) -> Result<()> {
+    Destination::new(file)?.write(bytes, || true)
+}
+
+/// Writes a value as JSON to a file.
+///
+/// # Errors
+/// As [`save`].
+pub(super) fn save_json(file: &Path, value: &impl serde::Serialize) -> Result<()> {
+    save(file, json(value, file)?.as_bytes())
 }

@@ -4,8 +4,13 @@ use std::path::Path;
 
 use crate::accel::BuildQuality;
 use crate::measure::shell::quoted;
+use crate::optics::RefractionModel;
+use crate::render::Reflection;
 use crate::scene::LightsFrom;
+use crate::study::reflections::Plan;
+use crate::study::reflections::bundled::System;
 use crate::study::{Axis, Precision, Spheres, Variant};
+use crate::systems::maps::Proxy;
 
 /// Returns the options of `vitrum render` that repeat it.
 pub(super) fn options(variant: &Variant) -> String {
@@ -17,10 +22,10 @@ pub(super) fn options(variant: &Variant) -> String {
             None => format!("--cutoff {}", variant.cutoff),
         },
         format!("--fresnel {}", variant.level(Axis::Fresnel)),
+        format!("--refraction {}", variant.level(Axis::Refraction)),
+        format!("--reflection {}", variant.level(Axis::Reflection)),
+        format!("--shadows {}", variant.level(Axis::Shadows)),
     ];
-    flags.push(format!("--refraction {}", variant.level(Axis::Refraction)));
-    flags.push(format!("--reflection {}", variant.level(Axis::Reflection)));
-    flags.push(format!("--shadows {}", variant.level(Axis::Shadows)));
     if variant.lights_from != LightsFrom::Auto {
         flags.push(format!("--lights-from {}", variant.lights_from));
     }
@@ -48,6 +53,39 @@ pub(super) fn command(variant: &Variant, scene: &Path, size: [u32; 2]) -> String
     format!("vitrum render {scene} -o picture.exr --width {width} --height {height} {}", options(variant))
 }
 
+/// Returns this program's own command line, for a shell.
+pub(super) fn own_command() -> String {
+    let arguments = std::env::args_os().skip(1).map(|a| quoted(&a.to_string_lossy()));
+    std::iter::once(String::from("vitrum")).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns the options of `vitrum render` that ask for a system of the notes.
+fn system_options(system: &System) -> String {
+    let mut flags = Vec::new();
+    if system.reflection != Reflection::Traced {
+        flags.push(format!("--reflection {}", system.reflection.name()));
+    }
+    if system.proxy != Proxy::None {
+        flags.push(format!("--proxy {}", system.proxy.name()));
+    }
+    if system.refraction != RefractionModel::Stable {
+        flags.push(format!("--refraction {}", system.refraction.name()));
+    }
+    flags.join(" ")
+}
+
+/// Returns the command that repeats a system's picture of the scene in `file`, for a shell.
+pub(super) fn system(system: &System, file: &str, plan: &Plan) -> String {
+    let [width, height] = plan.size;
+    format!(
+        "vitrum render {} -o picture.exr --backend {} --width {width} --height {height} --samples {} {}",
+        quoted(file),
+        plan.backend.name(),
+        plan.samples,
+        system_options(system)
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +93,7 @@ mod tests {
     use crate::geometry::triangle_test::TriangleModel;
     use crate::scene::Settings;
     use crate::study::Level;
+    use crate::study::reflections::bundled::SYSTEMS;
 
     fn default() -> Variant {
         Variant::of(&Settings::default(), Backend::Native)
@@ -66,6 +105,13 @@ mod tests {
         assert!(command(&other, Path::new("it's.toml"), [3, 2]).contains(r"'it'\''s.toml' -o"));
         assert!(command(&other, Path::new("a.toml"), [3, 2]).contains("--depth 4 "));
         assert!(options(&other.with(Level::Precision(Precision::Double))).ends_with("--backend reference"));
+    }
+
+    #[test]
+    fn every_system_of_the_notes_has_an_option() {
+        for system in &SYSTEMS {
+            assert!(!system_options(system).is_empty(), "{}", system.name);
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Shapes of a scene.
 
+use super::aabb::Aabb;
 use super::mask::GeometryMask;
 use super::mesh::TriMesh;
 use super::plane::Plane;
@@ -31,6 +32,19 @@ pub enum Shape {
     Sphere(Sphere),
     /// An infinite plane, which has no bounding box; `primitive` is 0.
     Plane(Plane),
+}
+
+impl Shape {
+    /// Returns the box around all that can be hit; empty for a plane, which no box holds. Of a mesh it takes a pass over all
+    /// triangles.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Self::Mesh(mesh) => mesh.bounds(),
+            Self::Sphere(sphere) => sphere.bounds(),
+            Self::Plane(_) => Aabb::EMPTY,
+        }
+    }
 }
 
 impl From<TriMesh> for Shape {

@@ -2,6 +2,7 @@
 //! and tables.
 
 pub mod figure;
+pub mod html;
 pub mod machine;
 pub mod percentiles;
 pub mod random;

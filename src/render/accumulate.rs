@@ -134,13 +134,12 @@ impl Accumulator {
     pub fn mean(&self, i: usize, samples: u32) -> PixelMean {
         let scale = 2.0_f64.powi(-FRACTION_BITS) / f64::from(samples);
         // Most pixels have no truncated weight, and 128 bits take long to convert.
-        let to_float =
-            |sums: [i128; 3]| if sums == [0; 3] { [0.0; 3] } else { sums.map(|s| (s as f64 * scale) as f32) };
+        let wide = |sums: [i128; 3]| if sums == [0; 3] { [0.0; 3] } else { sums.map(|s| s as f64) };
+        let to_float = |sums| wide(sums).map(|s| (s * scale) as f32);
         let (radiance, truncated) = self.sums(i);
         let mut by_limit = [self.pixels[i].cut; Limit::ALL.len()];
         by_limit[1..].copy_from_slice(&self.ended.get(i).copied().unwrap_or_default());
-        let limit =
-            Limit::heaviest(by_limit.map(|sums| if sums == [0; 3] { [0.0; 3] } else { sums.map(|s| s as f64) }));
+        let limit = Limit::heaviest(by_limit.map(wide));
         PixelMean { radiance: to_float(radiance), truncated: to_float(truncated), limit }
     }
 }

@@ -21,7 +21,15 @@ use crate::systems::maps::Proxy;
 pub(super) struct Bodies8 {
     taken: Taken,
     /// By object; none where a body has no map, or the second interface is left out.
-    backs: Vec<Option<Native>>,
+    backs: Vec<Option<Body>>,
+}
+
+/// Hierarchy of a body's own.
+#[derive(Debug)]
+struct Body {
+    accel: Native,
+    /// Distance from each place on the body beyond which none of it lies.
+    far: f64,
 }
 
 /// Light that enters bodies, as a stage has it.
@@ -49,10 +57,13 @@ impl Bodies8 {
     /// # Errors
     /// [`crate::Error::Limit`] if there is no memory for a hierarchy.
     pub fn new(scene: &Scene, refraction: RefractionModel, taken: Taken) -> Result<Self> {
-        let back = |object: usize| -> Result<Option<Native>> {
-            let needed = refraction == RefractionModel::MapTwo && taken.maps.of(object as u32).is_some();
-            let own = std::slice::from_ref(&scene.geometry[object]);
-            needed.then(|| Native::try_build_as(own, BuildQuality::Default)).transpose()
+        let back = |object: usize| -> Result<Option<Body>> {
+            if refraction != RefractionModel::MapTwo || taken.maps.of(object as u32).is_none() {
+                return Ok(None);
+            }
+            let own = &scene.geometry[object];
+            let accel = Native::try_build_as(std::slice::from_ref(own), BuildQuality::Default)?;
+            Ok(Some(Body { accel, far: 2.0 * f64::from(own.shape.bounds().diagonal()) }))
         };
         let backs = (0..scene.objects.len()).map(back).collect::<Result<_>>()?;
         Ok(Self { taken, backs })
@@ -64,7 +75,7 @@ impl Bodies8 {
     }
 
     /// Looks up what light sees that enters bodies from outside.
-    pub fn look_up(&self, scene: &Scene, proxy: Proxy, entering: &Entering) -> LookedUp {
+    pub fn look_up(&self, scene: &Scene, proxy: Proxy, entering: &Entering, scratch: &mut Scratch) -> LookedUp {
         let Entering { surface, lanes, dir, weight, eta } = entering;
         let maps = &self.taken.maps;
         let zero = Vec3x8::splat(Rgb::ZERO);
@@ -95,7 +106,7 @@ impl Bodies8 {
                 eta: f64::from(eta.lane(k)),
             };
             let shape = &scene.geometry[object as usize].shape;
-            let behind = |lines: [Option<(DVec3, DVec3)>; 8]| back_sides(back, shape, &lines);
+            let mut behind = |lines: [Option<(DVec3, DVec3)>; 8]| back_sides(back, shape, &lines, scratch);
             let of = |line: fn(&Entry) -> (DVec3, DVec3)| {
                 std::array::from_fn(|k| (same >> k & 1 != 0).then(|| line(&entry(k))))
             };
@@ -122,26 +133,25 @@ impl Bodies8 {
 }
 
 /// Returns the last surface of a body on each line, given by a place and a unit direction.
-fn back_sides(body: &Native, shape: &Shape, lines: &[Option<(DVec3, DVec3)>; 8]) -> [Option<Back>; 8] {
-    let bounds = match shape {
-        Shape::Sphere(sphere) => sphere.bounds(),
-        Shape::Mesh(mesh) => mesh.bounds(),
-        Shape::Plane(_) => return [None; 8],
-    };
-    let far = f64::from(bounds.diagonal());
+fn back_sides(
+    body: &Body,
+    shape: &Shape,
+    lines: &[Option<(DVec3, DVec3)>; 8],
+    scratch: &mut Scratch,
+) -> [Option<Back>; 8] {
     let mut packet = Ray8::default();
     for (k, line) in lines.iter().enumerate() {
         let Some((place, dir)) = line else { continue };
         // A line that leaves the body is met from behind, where its last surface is the first.
-        packet.set_lane(k, &Ray::new((*place + *dir * (2.0 * far)).as_vec3(), (-*dir).as_vec3()));
+        packet.set_lane(k, &Ray::new((*place + *dir * body.far).as_vec3(), (-*dir).as_vec3()));
     }
     let mut hits = [Hit8::default()];
-    body.closest(&[packet], &mut hits, Coherence::Coherent, &mut Scratch::default());
+    body.accel.closest(&[packet], &mut hits, Coherence::Coherent, scratch);
     std::array::from_fn(|k| {
         let (place, dir) = lines[k]?;
         let hit = hits[0].lane(k);
         hit.is_hit().then(|| {
-            let point = place + dir * (2.0 * far - f64::from(hit.t));
+            let point = place + dir * (body.far - f64::from(hit.t));
             let uv = DVec2::new(f64::from(hit.u), f64::from(hit.v));
             Back { point, normal: outward(shape, hit.primitive, uv, point) }
         })

@@ -37,7 +37,8 @@ impl Ceiling {
     /// Returns [`Unsupported`] if no bound exists: a light with inverse-square falloff touches a surface that reflects
     /// it, or the bound overflows.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let ceiling = Self::with(scene, |number, object, material| of_base(scene, number, object, material))?;
+        let sampled = scene.shining().emitters();
+        let ceiling = Self::with(scene, |number, object, material| of_base(scene, sampled, number, object, material))?;
         if ceiling.by_depth.iter().any(|most| !most.is_finite()) {
             return Err(Unsupported::UnboundedLight.into());
         }
@@ -48,9 +49,10 @@ impl Ceiling {
     /// touches, and every bound that overflows.
     #[must_use]
     pub fn estimate(scene: &Scene, brightest: DVec3) -> Self {
+        let sampled = scene.shining().emitters();
         let base = |number: usize, object: &Object, material: &Material| {
             let own = of_emission(scene, material) + (material.ambient * scene.ambient).abs().as_dvec3();
-            Ok(of_base(scene, number, object, material).unwrap_or(own + brightest))
+            Ok(of_base(scene, sampled, number, object, material).unwrap_or(own + brightest))
         };
         let estimated = Self::with(scene, base).ok().filter(|c| c.by_depth.iter().all(|most| most.is_finite()));
         estimated.unwrap_or_else(|| Self { by_depth: vec![brightest.max(of_environment(scene))] })
@@ -62,7 +64,7 @@ impl Ceiling {
         let mut surfaces = Vec::with_capacity(scene.objects.len());
         for (number, object) in scene.objects.iter().enumerate() {
             let material = &scene.materials[object.material as usize];
-            let under_sky = of_colour(scene, &material.diffuse) * sky;
+            let under_sky = if sky == DVec3::ZERO { sky } else { of_colour(scene, &material.diffuse) * sky };
             surfaces.push((base(number, object, material)? + under_sky, material));
         }
         let deepest = scene.settings.max_depth as usize;
@@ -195,14 +197,15 @@ fn of_colour(scene: &Scene, colour: &Colour) -> DVec3 {
     }
 }
 
-fn of_base(scene: &Scene, number: usize, object: &Object, material: &Material) -> Result<DVec3> {
+/// Bounds what a base sends back of all light but the sky's. `sampled` tells that samples of emitters light it.
+fn of_base(scene: &Scene, sampled: bool, number: usize, object: &Object, material: &Material) -> Result<DVec3> {
     let mut most = of_emission(scene, material) + (material.ambient * scene.ambient).abs().as_dvec3();
     let albedo = of_colour(scene, &material.diffuse);
     let highlight = material.highlight.map_or(DVec3::ZERO, |h| h.colour.abs().as_dvec3());
     if albedo == DVec3::ZERO && highlight == DVec3::ZERO {
         return Ok(most);
     }
-    if scene.shining().emitters() {
+    if sampled {
         return Err(Unsupported::SampledLight.into());
     }
     for light in &scene.lights {

@@ -45,7 +45,6 @@ struct Waiting {
 pub(super) struct VirtualRays<'a> {
     scenes: Option<&'a Virtual>,
     waiting: Vec<Waiting>,
-    scratch: Scratch,
     /// Reflections that were traced for want of a virtual scene, or because no ray of the eye met the reflector.
     pub traced: u64,
 }
@@ -57,35 +56,44 @@ impl Virtual {
     /// [`Error::Usage`], where there are reflectors and none has a virtual scene; [`Error::Limit`], where there is no memory
     /// for a hierarchy.
     pub fn of(scene: &Scene) -> Result<Self> {
-        let images = Images::of(scene);
-        if let (Some((object, why)), true) = (images.without.first(), images.list.is_empty()) {
-            return Err(Error::Usage(format!(
-                "--reflection virtual: `{}` {why}, and no other reflector has a virtual scene; make it a sphere, or a \
-                 convex or concave mesh with `smooth` normals, that a pinhole camera sees from outside, or take \
-                 --reflection traced",
-                scene.objects[*object as usize].name
-            )));
-        }
+        let images = checked(scene)?;
         // A hierarchy of one picture: a quick build costs less than it saves.
         let build = |image: &crate::systems::images::Image| Native::try_build_as(&image.geometry, BuildQuality::Fast);
         let accels = images.list.iter().map(build).collect::<Result<_>>()?;
         Ok(Self { images, accels })
     }
+}
 
-    /// Returns the report on them. `traced` reflections were traced.
-    pub fn report(&self, traced: u64) -> ImagesReport {
-        let list = &self.images.list;
-        ImagesReport {
-            reflectors: list.len(),
-            triangles: list.iter().map(|image| image.triangles() as u64).sum(),
-            points: list.iter().fold(PointCounts::default(), |mut sum, image| {
-                sum.add(&image.points);
-                sum
-            }),
-            left_out: list.iter().map(|image| image.left_out).sum(),
-            traced,
-            without: self.images.without.clone(),
-        }
+/// Makes the virtual scenes of a scene's reflectors.
+///
+/// # Errors
+/// [`Error::Usage`] if there are reflectors and none has a virtual scene.
+pub(super) fn checked(scene: &Scene) -> Result<Images> {
+    let images = Images::of(scene);
+    if let (Some((object, why)), true) = (images.without.first(), images.list.is_empty()) {
+        return Err(Error::Usage(format!(
+            "--reflection virtual: `{}` {why}, and no other reflector has a virtual scene; make it a sphere, or a \
+                 convex or concave mesh with `smooth` normals, that a pinhole camera sees from outside, or take \
+                 --reflection traced",
+            scene.objects[*object as usize].name
+        )));
+    }
+    Ok(images)
+}
+
+/// Returns the report on virtual scenes. `traced` reflections were traced.
+pub(super) fn report(images: &Images, traced: u64) -> ImagesReport {
+    let list = &images.list;
+    ImagesReport {
+        reflectors: list.len(),
+        triangles: list.iter().map(|image| image.triangles() as u64).sum(),
+        points: list.iter().fold(PointCounts::default(), |mut sum, image| {
+            sum.add(&image.points);
+            sum
+        }),
+        left_out: list.iter().map(|image| image.left_out).sum(),
+        traced,
+        without: images.without.clone(),
     }
 }
 
@@ -137,7 +145,7 @@ impl<'a> VirtualRays<'a> {
 
     /// Takes up to `packets` packets of the rays that wait for one virtual scene: rays from the reflector to what it shows, with
     /// the hits there. Rays that meet nothing where pieces were left out are to be traced. Returns true if there were any.
-    pub fn take(&mut self, scene: &Scene, packets: usize, found: &mut Found) -> bool {
+    pub fn take(&mut self, scene: &Scene, packets: usize, scratch: &mut Scratch, found: &mut Found) -> bool {
         let (Some(scenes), Some(last)) = (self.scenes, self.waiting.last().copied()) else { return false };
         let same = self.waiting.iter().rev().take(8 * packets).take_while(|ray| ray.image == last.image).count();
         let rays = self.waiting.split_off(self.waiting.len() - same);
@@ -145,7 +153,7 @@ impl<'a> VirtualRays<'a> {
         let into = |ray: &Waiting| Ray { t_min: ray.t, ..Ray::new(ray.eye, ray.dir) };
         let eye_rays = Ray8::pack(&rays.iter().map(into).collect::<Vec<_>>());
         let mut met = vec![Hit8::default(); eye_rays.len()];
-        scenes.accels[last.image].closest(&eye_rays, &mut met, Coherence::Coherent, &mut self.scratch);
+        scenes.accels[last.image].closest(&eye_rays, &mut met, Coherence::Coherent, scratch);
         let (mut shown, mut unknown) = (Vec::new(), Vec::new());
         for (i, waiting) in rays.iter().enumerate() {
             let met = met[i / 8].lane(i % 8);
@@ -206,7 +214,7 @@ fn fill(rays: &[(&Waiting, (Vec3, Hit))], chunk: &mut Chunk) -> Vec<Hit8> {
 
 /// The direction from a reflector to what it shows, and the hit there.
 fn onto(waiting: &Waiting, shown: Shown) -> (Vec3, Hit) {
-    let way = shown.place32() - waiting.above;
+    let way = shown.place.as_vec3() - waiting.above;
     let t = way.length();
     let Some(dir) = way.try_normalize() else { return (waiting.mirrored, Hit::MISS) };
     let [u, v] = shown.uv.as_vec2().to_array();

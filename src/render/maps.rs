@@ -65,7 +65,7 @@ impl Taken {
     /// - [`Error::Usage`] if there are bodies that bend light and none has a map.
     /// - Errors of the renderer.
     pub fn of_bodies(scene: &Scene, options: &Options, taker: &impl Taker) -> Result<Option<Self>> {
-        if !matches!(options.bending(), RefractionModel::MapOne | RefractionModel::MapTwo) {
+        if !options.bending().is_mapped() {
             return Ok(None);
         }
         let start = Instant::now();
@@ -96,7 +96,7 @@ fn take(
     taker: &impl Taker,
 ) -> Result<Maps> {
     let refraction = match options.refraction {
-        RefractionModel::MapOne | RefractionModel::MapTwo => RefractionModel::Stable,
+        mapped if mapped.is_mapped() => RefractionModel::Stable,
         other => other,
     };
     let mut view = scene.clone();

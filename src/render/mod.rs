@@ -79,7 +79,7 @@ use crate::error::{Error, Result, Unsupported};
 use crate::geometry::contact::Contacts;
 use crate::geometry::{Hit8, Ray, Ray8};
 use crate::image::Film;
-use crate::optics::{FresnelModel, RefractionModel};
+use crate::optics::RefractionModel;
 use crate::scene::{Bodies, Scene};
 use crate::system::threads;
 use crate::systems::planar::Mirrors;
@@ -185,7 +185,7 @@ fn picture<I: Intersector>(
         seen: counts.seen,
         planar: facts.mirrors.as_ref().map(|mirrors| counts.planar.of_mirrors(mirrors)),
         maps: facts.maps.as_ref().map(|taken| taken.report(counts.without_map)),
-        images: facts.images.as_ref().map(|images| images.report(counts.without_image)),
+        images: facts.images.as_ref().map(|images| images::report(&images.images, counts.without_image)),
         body_maps: facts.refracting.as_ref().map(|bodies| bodies.report(counts.without_body_map)),
     })
 }
@@ -316,8 +316,7 @@ impl<'a> SceneFacts<'a> {
 
     /// The same with virtual scenes, where they are asked for and rays carry nothing that would be lost there.
     fn with_images(self, scene: &Scene, options: &Options) -> Result<Self> {
-        let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
-        let asked = options.reflection == Reflection::Virtual && !carries;
+        let asked = options.reflection == Reflection::Virtual && !options.carries();
         let images = asked.then(|| Virtual::of(scene)).transpose()?;
         Ok(Self { images, ..self })
     }

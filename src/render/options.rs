@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use crate::effects;
 use crate::optics::{FresnelModel, RefractionModel};
+use crate::system::threads;
 use crate::systems::maps::{Maps, Proxy};
 
 crate::choice! {
@@ -96,12 +97,15 @@ impl Options {
         }
     }
 
+    /// Returns true if rays carry polarisation or budgets.
+    #[must_use]
+    pub fn carries(&self) -> bool {
+        self.fresnel == FresnelModel::Polarised || self.cutoff_error.is_some()
+    }
+
     /// Returns the number of threads, with 0 resolved to one per processor.
     #[must_use]
     pub fn thread_count(&self) -> usize {
-        match self.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            n => n,
-        }
+        threads::count(self.threads)
     }
 }

@@ -88,23 +88,28 @@ impl LampPoints {
     #[inline]
     #[must_use]
     pub fn in_cube(&self, by: Scramble, sample: u32, i: u32) -> [f32; 3] {
-        let number = self.index(sample, i);
-        let [x, y] = self.number(sample, i).scrambled(by);
-        let z = scrambled(third_dimension(number).reverse_bits(), mix(by.0 ^ 0x02e5_be93));
-        [x, y, z].map(fraction)
+        let [point] = self.in_cubes([by], sample, i);
+        point
+    }
+
+    /// Returns the `i`th sample for several shaded points, as [`Self::in_cube`] does for one.
+    #[inline(always)]
+    #[must_use]
+    pub fn in_cubes<const N: usize>(&self, by: [Scramble; N], sample: u32, i: u32) -> [[f32; 3]; N] {
+        let number = self.number(sample, i);
+        // The first dimension holds the index itself.
+        let third = third_dimension(number.reversed[0]).reverse_bits();
+        by.map(|by| {
+            let [x, y] = number.scrambled(by);
+            [x, y, scrambled(third, mix(by.0 ^ 0x02e5_be93))].map(fraction)
+        })
     }
 
     #[inline(always)]
     fn number(&self, sample: u32, i: u32) -> Sobol {
-        let number = self.index(sample, i);
+        let number = sample.wrapping_mul(self.count()).wrapping_add(i);
         // The first dimension is the index with its bits reversed.
         Sobol { reversed: [number, second_dimension(number).reverse_bits()] }
-    }
-
-    /// Returns the index of a point in the sequence of its pixel.
-    #[inline(always)]
-    fn index(&self, sample: u32, i: u32) -> u32 {
-        sample.wrapping_mul(self.count()).wrapping_add(i)
     }
 }
 

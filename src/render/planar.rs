@@ -3,7 +3,6 @@
 use super::options::{Options, Reflection};
 use super::outcome::{MirrorLevel, PlanarReport};
 use super::passes::Passes;
-use crate::optics::FresnelModel;
 use crate::scene::Scene;
 use crate::systems::planar::Mirrors;
 use crate::{Error, Result};
@@ -42,8 +41,7 @@ impl PlanarCounts {
 /// Returns the planar mirrors in which cameras are mirrored: none unless that is asked for, and none where rays carry what
 /// those of a mirrored camera would not (polarisation, budgets).
 pub(super) fn mirrors(scene: &Scene, options: &Options) -> Option<Mirrors> {
-    let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
-    (options.reflection == Reflection::Planar && !carries).then(|| Mirrors::of(scene))
+    (options.reflection == Reflection::Planar && !options.carries()).then(|| Mirrors::of(scene))
 }
 
 /// Checks that a camera can be mirrored in some reflector of the scene.

@@ -22,6 +22,7 @@ use super::tile::Tile;
 use super::touch::{Arrivals, Touching};
 use super::unmatched::UnmatchedExits;
 use crate::accel::Shafts;
+use crate::accel::native::Scratch;
 use crate::effects::{Effect, Pipeline};
 use crate::geometry::GeometryMask;
 use crate::geometry::contact::Contacts;
@@ -107,6 +108,8 @@ pub struct Shading<'a> {
     /// Maps of bodies that refracted light is looked up in, if any are asked for, and rays that were traced instead.
     pub(super) bodies: Option<&'a Bodies8>,
     pub without_body_map: u64,
+    /// Scratch of the hierarchies over virtual scenes and bodies, once one of them is traced.
+    pub(super) own_scratch: Option<Scratch>,
     /// Current tile, and index of the current camera ray within its pixel.
     pub tile: Tile,
     pub sample: u32,
@@ -161,6 +164,7 @@ impl<'a> Shading<'a> {
             without_map: 0,
             bodies: None,
             without_body_map: 0,
+            own_scratch: None,
             tile: Tile { x: 0, y: 0, width: 1, height: 1 },
             sample: 0,
         }

@@ -23,7 +23,7 @@ const TOO_FEW: u32 = 4;
 
 /// Largest number of shadow rays queued by one call of a stage, so that memory does not grow with the number of
 /// samples.
-pub(super) const MOST_QUEUED: usize = 1 << 14;
+const MOST_QUEUED: usize = 1 << 14;
 
 /// Function that adds the light of the lamp with the given scene index to surfaces with these bases. The last argument
 /// is the depth of the rays that hit them.
@@ -59,8 +59,12 @@ fn pick_for<L: Lamp>(light: &Light, shiny: bool, sampling: &LampSampling) -> Sof
         (true, false) => [unoccluded::<L, true, false>, shadowed::<L, true, false>],
         (true, true) => [unoccluded::<L, true, true>, shadowed::<L, true, true>],
     };
-    let surfaces = (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1);
-    SoftStages { shadows: light.shadows, unoccluded, shadowed, surfaces }
+    SoftStages { shadows: light.shadows, unoccluded, shadowed, surfaces: surfaces_at_once(sampling) }
+}
+
+/// Returns the number of packets of surfaces that a soft stage works on at once, so that its shadow rays stay few enough.
+pub(super) fn surfaces_at_once(sampling: &LampSampling) -> usize {
+    (MOST_QUEUED / 8 / sampling.count.max(1) as usize).max(1)
 }
 
 /// Returns true if shaft tests can save shadow rays in this scene and the settings ask for them.

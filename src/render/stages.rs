@@ -18,7 +18,7 @@ use super::surface::{self, GatherStage, Shapes};
 use super::through::{self, FinishStage, PassStage};
 use crate::effects::{Pipeline, Reach};
 use crate::geometry::GeometryMask;
-use crate::optics::{FresnelModel, RefractionModel};
+use crate::optics::RefractionModel;
 use crate::scene::{Colour, Light, Material, Rgb, Scene, ShadowRule};
 
 /// Number of hits per stream: enough to hide the cost of calling a stage, few enough that the surfaces stay in the
@@ -97,7 +97,7 @@ impl Stages {
             medium: absorbing.then_some(medium::absorb as MediumStage),
             miss: if picker.all { Some(sky::pick_any()) } else { sky::pick(&scene.environment) },
             touching,
-            carries: options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some(),
+            carries: options.carries(),
             bins: std::array::from_fn(|bin| picker.bin(bin)),
             shadow_admits: if march.is_some() { GeometryMask::OPAQUE } else { GeometryMask::ALL },
             march,

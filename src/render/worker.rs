@@ -209,7 +209,8 @@ impl<'a, I: Intersector> Worker<'a, I> {
         let mut found = Found::default();
         loop {
             found.clear();
-            if !self.shading.virtual_rays.take(self.shading.scene, CHUNK_PACKETS, &mut found) {
+            let Shading { virtual_rays, own_scratch, scene, .. } = &mut self.shading;
+            if !virtual_rays.take(scene, CHUNK_PACKETS, own_scratch.get_or_insert_default(), &mut found) {
                 return Ok(());
             }
             self.shading.counts.add(RayKind::Reflected, 1, found.shown.len());

@@ -10,6 +10,7 @@ use super::errors::off;
 use super::report::Report;
 use crate::Result;
 use crate::image::{self, Bits, Encoding, Film, Format, linear_from_srgb};
+use crate::measure::html::escaped;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -130,11 +131,6 @@ fn ramp(difference: f64) -> [f32; 3] {
         let [a, b] = [RAMP[low][c], RAMP[low + 1][c]].map(|code| f64::from(code) / 255.0);
         linear_from_srgb(a + (b - a) * share) as f32
     })
-}
-
-/// Text with HTML's own characters taken out.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

@@ -65,20 +65,15 @@ pub fn singles(scene: &Scene, default: &Variant, axes: &[Axis]) -> (Vec<(Axis, V
         }
         let mut variants = Vec::new();
         for level in axis.levels().into_iter().filter(|level| *level != default.level(axis)) {
-            match level {
-                Level::Backend(backend) => match backend.availability() {
-                    Ok(()) => variants.push(default.with(level)),
-                    Err(why) => left_out.push(LeftOut::new(format!("backend {level}"), why.to_string())),
-                },
-                Level::Reflection(reflection) => match systems::reflection(scene, reflection) {
-                    Ok(_) => variants.push(default.with(level)),
-                    Err(why) => left_out.push(LeftOut::new(format!("reflection {level}"), why)),
-                },
-                Level::Refraction(refraction) => match systems::refraction(scene, refraction) {
-                    Ok(_) => variants.push(default.with(level)),
-                    Err(why) => left_out.push(LeftOut::new(format!("refraction {level}"), why)),
-                },
-                _ => variants.push(default.with(level)),
+            let fit = match level {
+                Level::Backend(backend) => backend.availability().map_err(|why| why.to_string()),
+                Level::Reflection(reflection) => systems::reflection(scene, reflection).map(drop),
+                Level::Refraction(refraction) => systems::refraction(scene, refraction).map(drop),
+                _ => Ok(()),
+            };
+            match fit {
+                Ok(()) => variants.push(default.with(level)),
+                Err(why) => left_out.push(LeftOut::new(format!("{} {level}", axis.name()), why)),
             }
         }
         plan.push((axis, variants));

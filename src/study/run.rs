@@ -15,6 +15,7 @@ use super::{digest, reference, size};
 use crate::accel::reference::Reference as Arbiter;
 use crate::render::reference::Prepared;
 use crate::scene::Scene;
+use crate::system::threads;
 use crate::{Error, Result};
 
 /// Measures everything that the journal of `folder` lacks, and reports on all measurements. If the user stops it, the
@@ -75,7 +76,7 @@ pub fn run(subject: &Subject, folder: &Path, fresh: bool, watch: &Watch) -> Resu
     let judged = session.journal.own.is_some();
     Ok(Report {
         machine: subject.machine.clone(),
-        threads: crate::render::Options { threads: subject.threads, ..Default::default() }.thread_count(),
+        threads: threads::count(subject.threads),
         command: subject.command.clone(),
         subject: Pictured {
             scene: subject.path.display().to_string(),

@@ -77,7 +77,7 @@ pub(super) fn reflection(scene: &Scene, level: Reflection) -> Result<String, Str
 /// Returns what a scene has for a level of the refraction axis, or the reason why it does not bear it.
 pub(super) fn refraction(scene: &Scene, level: RefractionModel) -> Result<String, String> {
     match level {
-        RefractionModel::MapOne | RefractionModel::MapTwo => {
+        mapped if mapped.is_mapped() => {
             let (wanted, without) = Maps::wanted_by_bodies(scene);
             let first = without.first().map(|&(object, why)| named(scene, object, why));
             match wanted.len() as u64 {

@@ -26,6 +26,15 @@ pub fn need(count: usize) -> Result<()> {
     memory::need(&counted(count), bytes, CURE)
 }
 
+/// Returns the number of threads for a request; 0 means one per processor.
+#[must_use]
+pub fn count(asked: usize) -> usize {
+    match asked {
+        0 => thread::available_parallelism().map_or(1, usize::from),
+        n => n,
+    }
+}
+
 fn counted(count: usize) -> String {
     if count == 1 { String::from("the stack of 1 thread") } else { format!("the stacks of {count} threads") }
 }

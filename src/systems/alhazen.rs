@@ -31,6 +31,14 @@ pub struct MirrorPoint {
     pub seen: bool,
 }
 
+impl MirrorPoint {
+    /// Returns the mirror image of a place in the plane that touches the mirror here.
+    #[must_use]
+    pub fn image(&self, other: DVec3) -> DVec3 {
+        other - self.normal * (2.0 * self.normal.dot(other - self.point))
+    }
+}
+
 /// The problem in its plane.
 #[derive(Clone, Copy, Debug)]
 struct Planar {
@@ -119,8 +127,7 @@ impl MirrorBall {
     #[must_use]
     pub fn virtual_point(&self, eye: DVec3, other: DVec3) -> Option<(DVec3, MirrorPoint)> {
         let mirror = self.mirror_point(eye, other)?;
-        let height = mirror.normal.dot(other - mirror.point);
-        Some((other - mirror.normal * (2.0 * height), mirror))
+        Some((mirror.image(other), mirror))
     }
 }
 

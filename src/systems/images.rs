@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
 use super::alhazen::{MirrorBall, MirrorPoint};
 use super::explosion::{Explosion, Points, Side};
@@ -103,9 +103,7 @@ impl Surface {
     /// reflection point.
     #[must_use]
     pub fn moved(&self, eye: DVec3, other: DVec3) -> Moved {
-        let mirrored = |MirrorPoint { point, normal, seen }: MirrorPoint| {
-            Moved::To(other - normal * (2.0 * normal.dot(other - point)), seen)
-        };
+        let mirrored = |found: MirrorPoint| Moved::To(found.image(other), found.seen);
         match self {
             Self::Ball(ball) => ball.mirror_point(eye, other).map_or(Moved::Inside, mirrored),
             Self::Triangles(map, _) if map.encloses(other) => Moved::Inside,
@@ -282,13 +280,5 @@ impl Image {
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.sources.iter().map(|(_, pieces)| pieces.len()).sum()
-    }
-}
-
-impl Shown {
-    /// The place, as `f32`.
-    #[must_use]
-    pub fn place32(&self) -> Vec3 {
-        self.place.as_vec3()
     }
 }

@@ -7,7 +7,7 @@
 use glam::{DVec3, Mat3, Vec3};
 
 use super::reflector::reflectors;
-use crate::geometry::{Aabb, Shape};
+use crate::geometry::Aabb;
 use crate::scene::{MapKind, Projection, Rgb, Scene, Texture};
 
 /// Reflectors that get a map of their own at most.
@@ -145,11 +145,7 @@ impl Maps {
     ) -> (Vec<Wanted>, Vec<(u32, &'static str)>) {
         let (mut wanted, mut without) = (Vec::new(), Vec::new());
         for object in objects {
-            let bounds = match &scene.geometry[object].shape {
-                Shape::Plane(_) => Aabb::EMPTY,
-                Shape::Sphere(sphere) => sphere.bounds(),
-                Shape::Mesh(mesh) => mesh.bounds(),
-            };
+            let bounds = scene.geometry[object].shape.bounds();
             let number = object as u32;
             if bounds.is_empty() {
                 without.push((number, "has no centre"));

@@ -43,7 +43,8 @@ pub fn tessellate(shape: &Shape, from: DVec3, radius: f64, angle: f64) -> Vec<Pi
                 let [a, b, c] = mesh.corners(i).map(|p| p.as_dvec3());
                 let uv = [DVec2::ZERO, DVec2::X, DVec2::Y];
                 let corners = [(a, uv[0]), (b, uv[1]), (c, uv[2])].map(|(place, uv)| Corner { place, uv });
-                refine(&Cut { from, angle, onto: &flat, primitive: i as u32 }, corners, 0, &mut pieces);
+                let cut = Cut { from, angle, onto: &flat, primitive: i as u32, most: MOST_HALVINGS };
+                halve(&cut, corners, 0, &mut pieces);
             }
         }
         Shape::Sphere(sphere) => {
@@ -55,7 +56,8 @@ pub fn tessellate(shape: &Shape, from: DVec3, radius: f64, angle: f64) -> Vec<Pi
                 let [x, y, z] = [DVec3::X * sign(1), DVec3::Y * sign(2), DVec3::Z * sign(4)];
                 let outwards = sign(1) * sign(2) * sign(4) > 0.0;
                 let corners = if outwards { [x, y, z] } else { [x, z, y] }.map(axis);
-                refine(&Cut { from, angle, onto: &onto, primitive: 0 }, corners, 0, &mut pieces);
+                let cut = Cut { from, angle, onto: &onto, primitive: 0, most: MOST_HALVINGS };
+                halve(&cut, corners, 0, &mut pieces);
             }
         }
         Shape::Plane(Plane { point, normal }) => {
@@ -71,8 +73,8 @@ pub fn tessellate(shape: &Shape, from: DVec3, radius: f64, angle: f64) -> Vec<Pi
                 [[-1.0, -1.0], [1.0, -1.0]],
                 [[1.0, -1.0], [1.0, 1.0]],
             ] {
-                let cut = Cut { from, angle, onto: &flat, primitive: 0 };
-                refine_deep(&cut, [at(0.0, 0.0), at(a, b), at(c, d)], &mut pieces);
+                let cut = Cut { from, angle, onto: &flat, primitive: 0, most: 3 * MOST_HALVINGS };
+                halve(&cut, [at(0.0, 0.0), at(a, b), at(c, d)], 0, &mut pieces);
             }
         }
     }
@@ -85,6 +87,8 @@ struct Cut<'a> {
     /// Puts a place back onto the surface.
     onto: &'a dyn Fn(DVec3) -> DVec3,
     primitive: u32,
+    /// Halvings of an edge, at most.
+    most: u32,
 }
 
 impl Cut<'_> {
@@ -98,19 +102,11 @@ impl Cut<'_> {
     }
 }
 
-fn refine(cut: &Cut, corners: [Corner; 3], depth: u32, pieces: &mut Vec<Piece>) {
-    halve(cut, corners, depth, MOST_HALVINGS, pieces);
-}
-
-/// As [`refine`], of a triangle that reaches far away.
-fn refine_deep(cut: &Cut, corners: [Corner; 3], pieces: &mut Vec<Piece>) {
-    halve(cut, corners, 0, 3 * MOST_HALVINGS, pieces);
-}
-
-fn halve(cut: &Cut, corners: [Corner; 3], depth: u32, most: u32, pieces: &mut Vec<Piece>) {
+fn halve(cut: &Cut, corners: [Corner; 3], depth: u32, pieces: &mut Vec<Piece>) {
     let [a, b, c] = corners;
-    let middles = if depth < most { [cut.middle(&a, &b), cut.middle(&b, &c), cut.middle(&c, &a)] } else { [None; 3] };
-    let go = |corners: [Corner; 3]| halve(cut, corners, depth + 1, most, pieces);
+    let middles =
+        if depth < cut.most { [cut.middle(&a, &b), cut.middle(&b, &c), cut.middle(&c, &a)] } else { [None; 3] };
+    let go = |corners: [Corner; 3]| halve(cut, corners, depth + 1, pieces);
     match middles {
         [None, None, None] => pieces.push(Piece { corners, primitive: cut.primitive }),
         [Some(ab), Some(bc), Some(ca)] => {

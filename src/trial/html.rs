@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::contender::Mode;
 use super::report::{Report, Row};
 use crate::accel::Backend;
+use crate::measure::html::escaped;
 
 /// Width of the longest bar, in pixels.
 const BAR: f64 = 420.0;
@@ -127,11 +128,6 @@ fn builds(report: &Report, mesh: &str) -> String {
         );
     }
     text + "</table>\n"
-}
-
-/// Text with HTML's own characters taken out.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

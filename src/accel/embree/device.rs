@@ -48,7 +48,7 @@ impl Device {
     /// # Errors
     /// [`Unavailable`](crate::error::Unavailable) if Embree makes no device; a limit if there is not enough memory or threads.
     pub fn open(library: &'static Library, threads: usize, frequency: Frequency, isa: Isa) -> Result<Arc<Self>> {
-        let workers = if threads == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { threads };
+        let workers = threads::count(threads);
         memory::need_mapped("an Embree device", DEVICE_BYTES + workers as u64 * THREAD_BYTES, WITHOUT)?;
         threads::probe(workers)?;
         let mut config = format!("verbose=0,threads={threads}");

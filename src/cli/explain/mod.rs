@@ -30,7 +30,7 @@ const COLUMNS: usize = 80;
 pub(super) fn run(job: &Explain) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&job.options)?;
+    backend::start_threads(job.options.threads)?;
     let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &job.options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     let plan = EffectPlan::resolve(&scene, &job.options.effects);

@@ -12,7 +12,6 @@ use super::verdict::Verdict;
 use super::{backend, output};
 use crate::Result;
 use crate::load::{LoadReport, Loaded};
-use crate::render::Options;
 use crate::scene::{Colour, Interface, Scene};
 
 /// Content of a file. Its JSON form is this, with the same names.
@@ -60,7 +59,7 @@ struct Picture {
 
 /// Loads and tells.
 pub(super) fn run(args: InfoArgs) -> Result<Verdict> {
-    backend::start_threads(&Options::default())?;
+    backend::start_threads(0)?;
     let Loaded { scene, report } = Reading::from(args.options).load(&args.scene, args.strict.strict)?;
     let info = Info::of(&args.scene, &scene, &report);
     if args.json {

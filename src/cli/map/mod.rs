@@ -24,7 +24,7 @@ use crate::{Error, Result};
 pub(super) fn run(job: &Map) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&job.options)?;
+    backend::start_threads(job.options.threads)?;
     let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &job.options, &observer)?;
     if !job.quiet {
         warnings.log();

@@ -30,8 +30,8 @@ use single::Single;
 pub(super) fn run(job: &Parity) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
+    backend::start_threads(job.threads)?;
     let options = render::Options { threads: job.threads, ..render::Options::default() };
-    backend::start_threads(&options)?;
     let (mut scene, warnings) = Warnings::survey((&job.scene, &job.reading), job.strict, &options, &observer)?;
     job.picture.fit(&mut scene.settings)?;
     // One ray through the middle of each pixel, so that its value belongs to one ray.

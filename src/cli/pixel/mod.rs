@@ -31,7 +31,7 @@ use findings::{Findings, Side};
 pub(super) fn run(job: &Pixel) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&job.options)?;
+    backend::start_threads(job.options.threads)?;
     let Loaded { mut scene, .. } = job.reading.load(&job.scene, false)?;
     job.overrides.apply(&mut scene.settings)?;
     check(job, &scene)?;

@@ -8,7 +8,6 @@ use crate::cli::backend::Renderer;
 use crate::cli::options::choices::refraction;
 use crate::cli::options::{Overrides, Reading, refuse_input};
 use crate::image::Destination;
-use crate::optics::RefractionModel;
 use crate::render;
 use crate::{Error, Result};
 
@@ -40,7 +39,7 @@ impl TryFrom<PixelArgs> for Pixel {
             )));
         };
         let refraction = refraction(args.optics.refraction, args.optics.oliveira)?;
-        if matches!(refraction, RefractionModel::MapOne | RefractionModel::MapTwo) {
+        if refraction.is_mapped() {
             return Err(Error::Usage(format!(
                 "--refraction {}: light that a map shows has no ray to be recorded; take another --refraction",
                 refraction.name()

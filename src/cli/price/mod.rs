@@ -12,8 +12,7 @@ use super::{backend, interrupt, output, progress, repeat};
 use crate::accel::embree;
 use crate::image::{self, Bits, Destination, Encoding, Film, Format, ReadOptions};
 use crate::measure::Machine;
-use crate::measure::shell::quoted;
-use crate::render::{self, Observer};
+use crate::render::Observer;
 use crate::study::html::{self, Pair, References};
 use crate::study::{self, Report, Subject, Variant, Watch};
 use crate::system::files;
@@ -23,7 +22,7 @@ use crate::{Error, Result};
 pub(super) fn run(job: Price) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&render::Options { threads: job.threads, ..render::Options::default() })?;
+    backend::start_threads(job.threads)?;
     let mut scene = job.reading.load(&job.scene, false)?.scene;
     scene.settings.samples = job.samples;
     let subject = Subject {
@@ -36,7 +35,7 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
         limit: job.limit,
         runs: job.runs,
         combine: job.combine,
-        command: command(),
+        command: repeat::own_command(),
         repeat: repeat::command,
         machine: Machine::this(embree::installed().ok()),
     };
@@ -61,20 +60,11 @@ pub(super) fn run(job: Price) -> Result<Verdict> {
     Ok(Verdict::Done)
 }
 
-/// Returns this program's own command line, for a shell.
-pub(super) fn command() -> String {
-    let arguments = std::env::args_os().skip(1).map(|a| quoted(&a.to_string_lossy()));
-    std::iter::once(String::from("vitrum")).chain(arguments).collect::<Vec<_>>().join(" ")
-}
-
 /// Writes the report in its forms, and the pictures if requested.
 fn write(job: &Price, report: &Report) -> Result<()> {
-    let into = |name: &str, bytes: &[u8]| Destination::new(&job.folder.join(name))?.write(bytes, || true);
-    let json = serde_json::to_string_pretty(report)
-        .map_err(|e| Error::io(job.folder.join("report.json"), "write", std::io::Error::other(e)))?;
-    into("report.json", (json + "\n").as_bytes())?;
-    into("report.csv", study::csv::table(report).as_bytes())?;
-    into("report.html", page(&job.folder, report)?.as_bytes())?;
+    output::save_json(&job.folder.join("report.json"), report)?;
+    output::save(&job.folder.join("report.csv"), study::csv::table(report).as_bytes())?;
+    output::save(&job.folder.join("report.html"), page(&job.folder, report)?.as_bytes())?;
     if job.pictures {
         pictures(&job.folder, report)?;
     }

@@ -7,15 +7,13 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use self::options::Reflections;
-use super::price::command;
 use super::verdict::Verdict;
-use super::{backend, interrupt, output};
+use super::{backend, interrupt, output, repeat};
 use crate::accel::embree;
-use crate::image::Destination;
 use crate::load::{self, LoadOptions};
 use crate::measure::Machine;
 use crate::measure::table::aligned;
-use crate::render::{self, Observer};
+use crate::render::Observer;
 use crate::study::reflections::bundled::{SCENES, SYSTEMS};
 use crate::study::reflections::{self as study, Row, curves};
 use crate::system::files;
@@ -25,11 +23,11 @@ use crate::{Error, Result};
 pub(super) fn run(job: &Reflections) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&render::Options { threads: job.plan.threads, ..render::Options::default() })?;
+    backend::start_threads(job.plan.threads)?;
     let scenes = job.folder.join("scenes");
     files::create_folder(&scenes)?;
     for scene in SCENES {
-        write(&scenes.join(scene.name), scene.text.as_bytes())?;
+        output::save(&scenes.join(scene.name), scene.text.as_bytes())?;
     }
     let mut rows = Vec::new();
     for system in &SYSTEMS {
@@ -39,7 +37,7 @@ pub(super) fn run(job: &Reflections) -> Result<Verdict> {
             }
             let file = scenes.join(name);
             let scene = load::scene(&file, &LoadOptions::default())?.scene;
-            rows.push(study::row(system, &scene, &file.display().to_string(), &job.plan, &observer)?);
+            rows.push(study::row(system, scene, &file.display().to_string(), &job.plan, &observer)?);
         }
     }
     let curves = curves(job.plan.threads, &observer)?;
@@ -49,15 +47,13 @@ pub(super) fn run(job: &Reflections) -> Result<Verdict> {
     let done = study::Reflections {
         machine: Machine::this(embree::installed().ok()),
         backend: job.plan.backend.name(),
-        command: command(),
+        command: repeat::own_command(),
         rows,
         curves,
     };
     let page = job.folder.join("reflections.html");
-    write(&page, study::page(&done)?.as_bytes())?;
-    let json = serde_json::to_string_pretty(&done)
-        .map_err(|e| Error::io(job.folder.join("reflections.json"), "write", std::io::Error::other(e)))?;
-    write(&job.folder.join("reflections.json"), (json + "\n").as_bytes())?;
+    output::save(&page, study::page(&done)?.as_bytes())?;
+    output::save_json(&job.folder.join("reflections.json"), &done)?;
     if job.json {
         output::print_json(&done)?;
     } else if !job.quiet {
@@ -65,10 +61,6 @@ pub(super) fn run(job: &Reflections) -> Result<Verdict> {
         output::log(&format!("\n{}", page.display()));
     }
     Ok(Verdict::Done)
-}
-
-fn write(file: &Path, bytes: &[u8]) -> Result<()> {
-    Destination::new(file)?.write(bytes, || true)
 }
 
 fn text(rows: &[Row]) -> String {

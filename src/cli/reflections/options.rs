@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::cli::price::args::PriceArgs;
 use crate::cli::price::options::{default_backend, folder};
+use crate::cli::repeat;
 use crate::study::reflections::Plan;
 use crate::{Error, Result};
 
@@ -32,6 +33,7 @@ impl TryFrom<PriceArgs> for Reflections {
             samples: args.samples,
             runs: args.runs as usize,
             threads: args.threads.unwrap_or(0) as usize,
+            repeat: repeat::system,
         };
         Ok(Self { plan, folder: folder(output)?, json: args.json, quiet: args.quiet })
     }

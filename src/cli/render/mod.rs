@@ -34,7 +34,7 @@ use crate::{Error, Result};
 pub(super) fn run(mut job: Render) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&job.options)?;
+    backend::start_threads(job.options.threads)?;
 
     let start = Instant::now();
     let files = LoadOptions { camera: job.camera.clone(), ..job.reading.options(&job.scene, job.strict)? };

@@ -7,10 +7,10 @@ use std::path::Path;
 use self::args::SceneArgs;
 use super::options::{Reading, refuse_input};
 use super::verdict::Verdict;
+use super::warnings::Warnings;
 use super::{backend, output};
 use crate::image::Destination;
 use crate::load;
-use crate::render::Options;
 use crate::{Error, Result};
 
 /// Writes the scene of a model.
@@ -20,14 +20,14 @@ pub(super) fn run(args: SceneArgs) -> Result<Verdict> {
         return Err(Error::Usage(format!("-o {name}: a scene file ends in .toml; name it so")));
     }
     refuse_input("-o", &args.output, [args.model.as_path()])?;
-    backend::start_threads(&Options::default())?;
+    backend::start_threads(0)?;
     let destination = Destination::new(&args.output)?;
     let options = Reading::from(args.options).options(&args.model, args.strict.strict)?;
     let folder = args.output.parent().unwrap_or(Path::new(""));
     let (text, report) = load::sketch(&args.model, folder, &options)?;
     destination.write(text.as_bytes(), || true)?;
     if !args.quiet {
-        report.warnings.iter().for_each(|w| output::log(&output::one_line(&format!("warning: {w}"))));
+        Warnings::new(&report, Vec::new()).log();
         output::log(&format!("scene      {}; render it by `vitrum render`", args.output.display()));
     }
     Ok(Verdict::Done)

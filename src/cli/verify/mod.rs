@@ -74,7 +74,7 @@ struct TroubleRow {
 pub(super) fn run(job: &Verify) -> Result<Verdict> {
     let observer = Arc::new(Observer::default());
     interrupt::listen(&observer)?;
-    backend::start_threads(&render::Options { threads: job.threads, ..render::Options::default() })?;
+    backend::start_threads(job.threads)?;
     let mut warnings = Warnings::default();
     let scene = match &job.scene {
         None => None,
@@ -85,8 +85,8 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
             Some(scene)
         }
     };
-    let name = job.scene.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
-    let named = scene.as_ref().map(|scene| (scene, name.as_str()));
+    let name = job.scene.as_ref().map(|path| path.display().to_string());
+    let named = scene.as_ref().zip(name.as_deref());
     let paths = usize::from(job.native) + 2 * usize::from(job.embree);
     let (findings, troubles) = progress::follow(&observer, job.plan.parts(paths), !job.quiet, || {
         interrupt::heeded(|| -> Result<_> {
@@ -98,7 +98,7 @@ pub(super) fn run(job: &Verify) -> Result<Verdict> {
         version: env!("CARGO_PKG_VERSION"),
         simd: level::BUILT,
         threads: rayon::current_num_threads(),
-        scene: job.scene.as_ref().map(|p| p.display().to_string()),
+        scene: name,
         full: job.plan.full,
         bvh: job.bvh.name(),
         // Faulty triangles are reported, but are no failure: a scene may have them and be rendered correctly.

@@ -19,8 +19,8 @@ pub trait RefractionFormula: Copy + Default + Send + Sync + 'static {
     /// True if it is for planar surfaces alone; curved ones then refract by the stable form.
     const FLAT_ONLY: bool = false;
 
-    /// Number of interfaces of a body after which a map of its surroundings is looked up; 0 if none is.
-    const MAPPED: u32 = 0;
+    /// True if light that enters a body ends in a map of its surroundings.
+    const MAPPED: bool = false;
 
     /// Returns the formula with its constant, if it has one and `constant` is given, else the default.
     #[must_use]

@@ -13,9 +13,9 @@ pub struct MapOne;
 pub struct MapTwo;
 
 impl RefractionFormula for MapOne {
-    const MAPPED: u32 = 1;
+    const MAPPED: bool = true;
 }
 
 impl RefractionFormula for MapTwo {
-    const MAPPED: u32 = 2;
+    const MAPPED: bool = true;
 }

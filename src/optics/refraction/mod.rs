@@ -49,3 +49,19 @@ crate::choice! {
         "stable" => Stable by Stable,
     }
 }
+
+impl RefractionModel {
+    /// Returns true if light that enters a body ends in a map of its surroundings.
+    #[must_use]
+    pub fn is_mapped(self) -> bool {
+        struct IsMapped;
+        impl RefractionVisitor for IsMapped {
+            type Output = bool;
+
+            fn visit<F: RefractionFormula>(self, _: F) -> bool {
+                F::MAPPED
+            }
+        }
+        self.dispatch(IsMapped)
+    }
+}

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::split::Lobe;
 use super::trace::{Arrival, Tracer};
 use crate::accel::reference::{Ray64, Reference};
-use crate::geometry::{Aabb, Shape};
+use crate::geometry::Shape;
 use crate::optics::{Boundary, RefractionModel, transmittance};
 use crate::render::maps::Taken;
 use crate::render::record::{Recorder, Source};
@@ -17,7 +17,15 @@ use crate::systems::bent::{Back, Entry, outward};
 #[derive(Debug)]
 pub(super) struct Bodies64 {
     taken: Taken,
-    backs: Vec<Option<Reference>>,
+    backs: Vec<Option<Body>>,
+}
+
+/// Hierarchy of a body's own.
+#[derive(Debug)]
+struct Body {
+    accel: Reference,
+    /// Distance from each place on the body beyond which none of it lies.
+    far: f64,
 }
 
 impl Bodies64 {
@@ -25,7 +33,9 @@ impl Bodies64 {
     pub fn new(scene: &Scene, refraction: RefractionModel, taken: Taken) -> Self {
         let back = |object: usize| {
             let needed = refraction == RefractionModel::MapTwo && taken.maps.of(object as u32).is_some();
-            needed.then(|| Reference::build(std::slice::from_ref(&scene.geometry[object])))
+            let own = &scene.geometry[object];
+            let accel = || Reference::build(std::slice::from_ref(own));
+            needed.then(|| Body { accel: accel(), far: 2.0 * f64::from(own.shape.bounds().diagonal()) })
         };
         let backs = (0..scene.objects.len()).map(back).collect();
         Self { taken, backs }
@@ -78,16 +88,10 @@ impl<L: Recorder> Tracer<'_, '_, L> {
 }
 
 /// Returns the last surface of a body on a line.
-fn back_side(body: &Reference, shape: &Shape, place: DVec3, dir: DVec3) -> Option<Back> {
-    let bounds = match shape {
-        Shape::Sphere(sphere) => sphere.bounds(),
-        Shape::Mesh(mesh) => mesh.bounds(),
-        Shape::Plane(_) => Aabb::EMPTY,
-    };
-    let far = 2.0 * f64::from(bounds.diagonal());
-    let hit = body.closest(&Ray64::new(place + dir * far, -dir));
+fn back_side(body: &Body, shape: &Shape, place: DVec3, dir: DVec3) -> Option<Back> {
+    let hit = body.accel.closest(&Ray64::new(place + dir * body.far, -dir));
     hit.is_hit().then(|| {
-        let point = place + dir * (far - hit.t);
+        let point = place + dir * (body.far - hit.t);
         Back { point, normal: outward(shape, hit.primitive, DVec2::new(hit.u, hit.v), point) }
     })
 }

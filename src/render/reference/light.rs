@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::super::extent::{Ball, Extent, Sheet};
 use super::super::lamp::before_lamp;
+use super::super::light::within_cone;
 use super::super::place::{ContactPoint, Layer, Through, governing};
 use super::super::shine::{Around, Emitters};
 use super::super::unmatched::UnmatchedExits;
@@ -49,7 +50,7 @@ impl Arriving {
             LightKind::Spot { position, direction, cos_inner, cos_outer } => {
                 let (towards, distance, weakened) = from_point(position.as_dvec3());
                 let cos = -towards.dot(direction.as_dvec3().normalize());
-                (towards, distance, weakened * cone(cos, f64::from(cos_inner), f64::from(cos_outer)))
+                (towards, distance, weakened * within_cone(cos, f64::from(cos_inner), f64::from(cos_outer)))
             }
             LightKind::Sphere { position, radius } => {
                 let ball = Ball { centre: position.as_dvec3().into(), radius: f64::from(radius) };
@@ -95,17 +96,6 @@ fn from_extent(lamp: &impl Extent<f64>, physical: bool, point: DVec3, of: [f64; 
     let point = Vector3::from(point);
     let seen = if physical { lamp.point::<true>(point, of) } else { lamp.point::<false>(point, of) };
     (seen.dir.into(), seen.distance, seen.share.max(0.0))
-}
-
-fn cone(cos: f64, inner: f64, outer: f64) -> f64 {
-    if cos >= inner {
-        1.0
-    } else if cos <= outer {
-        0.0
-    } else {
-        let s = (cos - outer) / (inner - outer);
-        s * s * (3.0 - 2.0 * s)
-    }
 }
 
 /// Returns the share of a light at the far end of `ray` that reaches its origin, and the unmatched exits on the way.

@@ -158,9 +158,9 @@ impl<'a> Prepared<'a> {
         let taker = ByReference { accel: &prepared.accel, observer };
         let maps = Taken::of(scene, options, &taker)?;
         let bodies = Taken::of_bodies(scene, options, &taker)?;
-        let carries = options.fresnel == FresnelModel::Polarised || options.cutoff_error.is_some();
-        let images =
-            (options.reflection == Reflection::Virtual && !carries).then(|| Virtual64::of(scene)).transpose()?;
+        let images = (options.reflection == Reflection::Virtual && !options.carries())
+            .then(|| Virtual64::of(scene))
+            .transpose()?;
         let refracting = bodies.map(|taken| Bodies64::new(scene, options.bending(), taken));
         (prepared.maps, prepared.images, prepared.refracting) = (maps, images, refracting);
         Ok(prepared)

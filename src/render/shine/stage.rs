@@ -8,9 +8,9 @@ use crate::render::pattern::Scramble;
 use crate::render::queue::{Rgb8, Spawn8};
 use crate::render::shading::Shading;
 use crate::render::sky::{Any, Sky};
-use crate::render::soft::{MOST_QUEUED, SoftStages};
+use crate::render::soft::{SoftStages, surfaces_at_once};
 use crate::render::surface::Surface8;
-use crate::scene::{LampSampling, Rgb, Scene};
+use crate::scene::{Rgb, Scene};
 use crate::simd::{F32x8, Vec3x8, set_lanes};
 
 /// Returns the stages of the sources that light surfaces, with their numbers. With `all`, those of all sources.
@@ -18,15 +18,14 @@ pub fn stages(scene: &Scene, all: bool) -> impl Iterator<Item = (usize, SoftStag
     let shining = scene.shining();
     let wanted = [shining.emitters(), shining.sky];
     let stages = move |kind: Shiner| {
-        let LampSampling { count, .. } = scene.settings.lamps;
-        let surfaces = (MOST_QUEUED / 8 / count.max(1) as usize).max(1);
+        let surfaces = surfaces_at_once(&scene.settings.lamps);
         let shadows = scene.settings.shine_shadows;
         match kind {
             Shiner::Emitters => {
-                SoftStages { shadows, unoccluded: unoccluded::<FromShapes>, shadowed: shadowed::<FromShapes>, surfaces }
+                SoftStages { shadows, unoccluded: unoccluded::<Emitters>, shadowed: shadowed::<Emitters>, surfaces }
             }
             Shiner::Around => {
-                SoftStages { shadows, unoccluded: unoccluded::<FromAround>, shadowed: shadowed::<FromAround>, surfaces }
+                SoftStages { shadows, unoccluded: unoccluded::<Around>, shadowed: shadowed::<Around>, surfaces }
             }
         }
     };
@@ -55,10 +54,7 @@ trait Source {
     fn arriving(&self, scene: &Scene, surface: &Surface8, origin: Vec3x8, at: [[f32; 3]; 8]) -> Arriving;
 }
 
-type FromShapes = Emitters;
-type FromAround = Around;
-
-impl Source for FromShapes {
+impl Source for Emitters {
     const SHINY: bool = true;
 
     fn of<'a>(shading: &Shading<'a>) -> Option<&'a Self> {
@@ -82,7 +78,7 @@ impl Source for FromShapes {
     }
 }
 
-impl Source for FromAround {
+impl Source for Around {
     const SHINY: bool = false;
 
     fn of<'a>(shading: &Shading<'a>) -> Option<&'a Self> {
@@ -122,7 +118,7 @@ impl<'a> Shine8<'a> {
     /// unoccluded.
     fn sent<S: Source>(&self, shading: &Shading, source: &S, i: u32) -> Arriving {
         let Self { surface, base, origin, scrambles } = self;
-        let at = scrambles.map(|by| shading.points.in_cube(by, shading.sample, i));
+        let at = shading.points.in_cubes(*scrambles, shading.sample, i);
         let arriving = source.arriving(shading.scene, surface, *origin, at);
         let dir = arriving.dir;
         let cos = dir.dot(surface.shading);

@@ -121,10 +121,11 @@ pub(super) fn refracted<O: Optics, R: RefractionFormula>(
     // A formula may fail to give a direction where one exists; the ray's weight is then truncated.
     let lost = total.bits() & !straight.bits() & lanes;
     shading.accumulator.add_ended8(Limit::Asked, lost, &surface.pixel, weight);
-    let lanes = if R::MAPPED > 0 { in_maps(shading, surface, lanes & !lost, &dir, light) } else { lanes };
+    let lanes = lanes & !lost;
+    let lanes = if R::MAPPED { in_maps(shading, surface, lanes, &dir, light) } else { lanes };
     let extra = O::leaving(carried, dir);
     let new = Spawn8 { stack: beyond, extra: extra.as_ref(), ..surface.transmitted(dir, *weight) };
-    shading.spawn(lanes & !lost, &new, RayKind::Transmitted, depth);
+    shading.spawn(lanes, &new, RayKind::Transmitted, depth);
 }
 
 /// Looks light up that enters bodies with a map. Returns the other lanes.
@@ -133,7 +134,10 @@ fn in_maps(shading: &mut Shading, surface: &Surface8, lanes: u8, dir: &Vec3x8, l
     let Some(bodies) = shading.bodies else { return lanes };
     let Refraction { boundary, weight, .. } = light;
     let entering = Entering { surface, lanes, dir: *dir, weight, eta: boundary.eta };
-    let LookedUp { radiance, ended, left } = bodies.look_up(shading.scene, shading.proxy, &entering);
+    let LookedUp { radiance, ended, left } = {
+        let scratch = shading.own_scratch.get_or_insert_default();
+        bodies.look_up(shading.scene, shading.proxy, &entering, scratch)
+    };
     shading.accumulator.add_radiance8(lanes & !left, &surface.pixel, &radiance);
     shading.accumulator.add_ended8(Limit::Asked, lanes & !left, &surface.pixel, &ended);
     shading.without_body_map += u64::from(left.count_ones());

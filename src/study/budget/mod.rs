@@ -18,7 +18,7 @@ use super::plan;
 use super::reference;
 use super::variant::Variant;
 use crate::error::{Result, Unsupported};
-use crate::optics::{FresnelModel, RefractionModel};
+use crate::optics::FresnelModel;
 use crate::render::{Observer, Reflection};
 use crate::scene::Scene;
 pub use candidate::Candidate;
@@ -150,7 +150,7 @@ pub fn choose(
         let polarised = variant.fresnel == FresnelModel::Polarised && base.fresnel != FresnelModel::Polarised;
         // Maps and virtual scenes take longer to make than a small picture takes to trace.
         let mapped = matches!(variant.reflection, Reflection::CubeMap | Reflection::SphereMap | Reflection::Virtual)
-            || matches!(variant.refraction, RefractionModel::MapOne | RefractionModel::MapTwo);
+            || variant.refraction.is_mapped();
         if polarised || mapped || (variant.proven.is_some() && base.proven.is_none()) {
             continue;
         }

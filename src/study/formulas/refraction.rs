@@ -97,7 +97,7 @@ const NOTED_OLIVEIRA: [(Oliveira, Option<Degrees>, Option<Degrees>); 5] = [
 fn models() -> Vec<RefractionModel> {
     let mut models = RefractionModel::compared();
     // These bend by the stable form.
-    models.retain(|model| !matches!(model, RefractionModel::MapOne | RefractionModel::MapTwo));
+    models.retain(|model| !model.is_mapped());
     models.extend(FIRST_ORDER.map(RefractionModel::Oliveira));
     models
 }

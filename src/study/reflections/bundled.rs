@@ -136,22 +136,6 @@ impl System {
         let &Self { reflection, proxy, refraction, .. } = self;
         Options { reflection, proxy, refraction, threads, ..Options::default() }
     }
-
-    /// Returns the flags of `vitrum render` that ask for it.
-    #[must_use]
-    pub fn flags(&self) -> String {
-        let mut flags = Vec::new();
-        if self.reflection != Reflection::Traced {
-            flags.push(format!("--reflection {}", self.reflection.name()));
-        }
-        if self.proxy != Proxy::None {
-            flags.push(format!("--proxy {}", self.proxy.name()));
-        }
-        if self.refraction != RefractionModel::Stable {
-            flags.push(format!("--refraction {}", self.refraction.name()));
-        }
-        flags.join(" ")
-    }
 }
 
 #[cfg(test)]
@@ -163,7 +147,7 @@ mod tests {
         let known = |name: &str| SCENES.iter().any(|scene| scene.name == name);
         for system in &SYSTEMS {
             assert!(system.scenes.into_iter().all(known) && system.scenes[0] != system.scenes[1], "{}", system.name);
-            assert!(!system.flags().is_empty() && system.why.ends_with('.'), "{}", system.name);
+            assert!(system.why.ends_with('.'), "{}", system.name);
         }
         for scene in SCENES {
             assert!(SYSTEMS.iter().any(|system| system.scenes.contains(&scene.name)), "{}", scene.name);

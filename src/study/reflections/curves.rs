@@ -24,7 +24,7 @@ pub const DISTANCES: [f32; 10] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.
 pub const PIECES: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
 
 /// Bins of the angle of incidence, in degrees.
-const BIN: usize = 15;
+pub(super) const BIN: usize = 15;
 
 /// Errors of maps, a line a variant.
 #[derive(Clone, Debug, Serialize)]

@@ -16,7 +16,6 @@ use serde::Serialize;
 use super::errors::{Errors, off};
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::image::Film;
-use crate::measure::shell::quoted;
 use crate::measure::{Figure, Machine};
 use crate::render::{Observer, Options, Outcome, first_hits, render};
 use crate::scene::Scene;
@@ -92,6 +91,8 @@ pub struct Plan {
     pub runs: usize,
     /// Worker threads; 0 means one a processor.
     pub threads: usize,
+    /// Command that repeats a system's picture of a scene.
+    pub repeat: fn(&System, &str, &Self) -> String,
 }
 
 /// Compares one system with the traced picture of a scene from `file`.
@@ -99,8 +100,7 @@ pub struct Plan {
 /// # Errors
 /// - [`Error::Interrupted`] if the observer requests a stop.
 /// - Errors of the renderer.
-pub fn row(system: &System, scene: &Scene, file: &str, plan: &Plan, observer: &Observer) -> Result<Row> {
-    let mut scene = scene.try_clone()?;
+pub fn row(system: &System, mut scene: Scene, file: &str, plan: &Plan, observer: &Observer) -> Result<Row> {
     let settings = &mut scene.settings;
     ([settings.width, settings.height], settings.samples) = (plan.size, plan.samples);
     let build = BuildOptions { threads: plan.threads, ..BuildOptions::default() };
@@ -140,19 +140,11 @@ pub fn row(system: &System, scene: &Scene, file: &str, plan: &Plan, observer: &O
     let capture = (taken / (ratio.median * traced_seconds)).min(1.0);
     let errors = Errors::of(&outcome.film, &traced.film, None)?;
     let (at_edges, places) = places(&scene, &accel, &outcome.film, &traced.film)?;
-    let [width, height] = plan.size;
-    let command = format!(
-        "vitrum render {} -o picture.exr --backend {} --width {width} --height {height} --samples {} {}",
-        quoted(file),
-        plan.backend.name(),
-        plan.samples,
-        system.flags()
-    );
     let counts = counts(&outcome);
     Ok(Row {
         system: system.name,
         scene: file.to_owned(),
-        command,
+        command: (plan.repeat)(system, file, plan),
         ratio,
         traced_seconds,
         capture,

@@ -2,9 +2,11 @@
 
 use std::fmt::Write as _;
 
+use super::curves::BIN;
 use super::{Curves, Reflections, Row};
 use crate::Result;
-use crate::study::html::{escaped, false_colours, png, style};
+use crate::measure::html::escaped;
+use crate::study::html::{false_colours, png, style};
 
 /// Colours of lines.
 const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#6a3d9a"];
@@ -145,7 +147,7 @@ fn curves(curves: &Curves) -> String {
              the place where the ball truly shows what the pixel shows; medians by angle of incidence.</p><div \
              class=\"scroll\"><table><thead><tr><th>pieces of at most</th><th>triangles</th>";
     for bin in 0..curves.pieces.first().map_or(0, |pieces| pieces.errors.len()) {
-        _ = write!(text, "<th>{} to {}&deg;</th>", 15 * bin, 15 * (bin + 1));
+        _ = write!(text, "<th>{} to {}&deg;</th>", BIN * bin, BIN * (bin + 1));
     }
     text += "<th>largest</th></tr></thead><tbody>\n";
     for pieces in &curves.pieces {

@@ -2,16 +2,12 @@
 
 use glam::DVec3;
 
-use crate::geometry::{Aabb, Shape};
 use crate::scene::Scene;
+use crate::trial::rays;
 
 /// Returns the middle and half extent of the finite part of a scene.
 pub(super) fn bounds(scene: &Scene) -> (DVec3, DVec3) {
-    let all = scene.geometry.iter().fold(Aabb::EMPTY, |b, g| match &g.shape {
-        Shape::Mesh(mesh) => b.union(mesh.bounds()),
-        Shape::Sphere(sphere) if sphere.is_usable() => b.union(sphere.bounds()),
-        _ => b,
-    });
+    let all = rays::bounds(&scene.geometry);
     let (lo, hi) = (all.lo.as_dvec3(), all.hi.as_dvec3());
     if lo.cmple(hi).all() {
         // A flat scene still gets rays from all around.
